@@ -22,9 +22,9 @@ enum class RecordKind : std::uint32_t {
   kHit = 2,          // closest-hit shader entered
   kMiss = 3,         // miss shader entered
   kAnyHit = 4,       // any-hit shader left, with its verdict
-  kReport = 5,       // OpReportIntersectionKHR returned
+  kReport = 5,       // OpReportIntersectionKHR called
   kEnd = 6,          // a shader invocation ended; carries the counters of its last segment
-  kSegment = 7,      // counters flushed without a ray (before a callable)
+  kSegment = 7,      // counters flushed without a ray (before a callable or a reported hit)
   kQueryStep = 8,    // OpRayQueryProceedKHR returned; committed intersection so far
   kQueryVerdict = 9  // OpRayQueryConfirmIntersection / GenerateIntersection / Terminate
 };
@@ -45,24 +45,35 @@ enum class Stage : std::uint32_t {
 // Words 0..3 of every record.
 //   word 0  kind | stage << 8 | shader << 16   (shader = index of the ShaderBlock in the manifest)
 //   word 1  launch id, linear: x + width * (y + height * z)
+//             ray tracing: gl_LaunchID in gl_LaunchSize; compute: the global invocation id in the
+//             global size; fragment: the pixel, with width = RecordHeader::launch_width
 //   word 2  dispatch index (DispatchBlock of that index in the manifest)
 //   word 3  ordinal: how many rays this launch id had begun before this record
 //
 // Then, per kind (units after the first):
-//   kRay      u1 origin.xyz tmin   u2 dir.xyz tmax
+//   kRay      u1 origin.xyz tmin
+//             u2 dir.xyz tmax
 //             u3 flags, mask | sbt_offset << 8 | sbt_stride << 12 | miss_index << 16, site,
-//             override
-//                (site = trace instruction, index within the shader; override = 1 if a verdict was
-//                 applied; origin, tmin, tmax, flags and mask are always those of the program)
+//                override
+//                (site = trace instruction, numbered through the shader module; override = 1 if a
+//                 verdict was applied; origin, tmin, tmax, flags and mask are always those of the
+//                 program)
 //             u4 u5 the eight counters of the segment that ends with this ray
-//   kHit      u1 hit kind, RayTmax, primitive id, instance id   u2 geometry index, custom index, 0,
-//   0 kMiss     (nothing) kAnyHit   u1, u2 as kHit, with u2.z = AnyHitVerdict kReport   u1, u2 as
-//   kHit (u1.y = reported t), with u2.z = 1 if accepted kEnd      u1 u2 the eight counters kSegment
-//   u1 u2 the eight counters kQueryStep    u1 committed type (0 none, 1 triangle, 2 generated), t,
-//   primitive id, instance id
+//   kHit      u1 hit kind, RayTmax, primitive id, instance id
+//             u2 geometry index, custom index, 0, 0
+//   kMiss     (nothing)
+//   kAnyHit   u1, u2 as kHit, with u2.z = AnyHitVerdict
+//   kReport   u1, u2 as kHit (u1.y = reported t), with u2.z = 1 if accepted; stands before the
+//             kAnyHit of the same candidate
+//   kEnd      u1 u2 the eight counters; missing for an intersection shader whose any-hit shader
+//             terminated the ray
+//   kSegment  u1 u2 the eight counters
+//   kQueryStep    u1 committed type (0 none, 1 triangle, 2 generated), t, primitive id, instance id
 //                 u2 geometry index, custom index, 1 if Proceed returned true, front face
-//   kQueryVerdict u1 candidate: 0, t, primitive id, instance id   u2 geometry index, custom index,
-//                 AnyHitVerdict (confirm = kAccept), 0
+//                 (all but the first word and the flag are 0 if the type is 0)
+//   kQueryVerdict u1 candidate type (0 triangle, 1 AABB), t, primitive id, instance id
+//                 u2 geometry index, custom index, AnyHitVerdict (confirm, generate = kAccept), 0
+//                 (for kTerminate only u2.z has a meaning)
 //
 // A kRay directly followed, for its launch id and nesting level, by the parent's next record is a
 // ray without shader record: a hit whose closest-hit shader was skipped or is null, or a miss with
@@ -80,7 +91,8 @@ inline constexpr std::uint32_t kQueryVerdictUnits = 3;
 enum class AnyHitVerdict : std::uint32_t { kAccept = 0, kIgnore = 1, kTerminate = 2 };
 
 // Meaning of the eight counters. Units: scalar operations (a vec3 add counts 3) or, for memory,
-// 32-bit words; kTexture and kControl count instructions.
+// 32-bit words; kTexture and kControl count instructions. What each SPIR-V instruction counts stands
+// in vulkan_sim_patch/spirv/weights.h.
 enum class Counter : std::uint32_t {
   kAlu = 0,
   kSfu = 1,
@@ -99,14 +111,20 @@ struct RecordHeader {
   std::uint32_t capacity;          // units in the record buffer
   std::uint32_t lost;              // records that did not fit (atomic)
   std::uint32_t dispatch;          // index of the dispatch being executed
-  std::uint64_t records;           // address of unit 0
-  std::uint64_t ordinals;          // address of one u32 per launch id, zeroed at ray generation
+  std::uint64_t records;           // address of unit 0; kSpareUnits more than `capacity` exist
+  std::uint64_t ordinals;          // address of ordinal_launches + 1 u32, one per launch id; zeroed
+                                   // by ray generation and compute shaders at entry, for fragment
+                                   // shaders by the layer (a pixel may be shaded more than once)
   std::uint64_t verdict_index;     // address of {u32 first, u32 count} per launch id, or 0
   std::uint64_t verdicts;          // address of VerdictEntry[]
   std::uint32_t verdict_launches;  // launch ids covered by verdict_index; 0 = no verdicts
-  std::uint32_t reserved[3];
+  std::uint32_t ordinal_launches;  // launch ids from here on share the last ordinal
+  std::uint32_t launch_width;      // pixels per row, for fragment shaders
+  std::uint32_t reserved;
 };
 static_assert(sizeof(RecordHeader) == 64);
+// Records that do not fit are written here and counted in RecordHeader::lost.
+inline constexpr std::uint32_t kSpareUnits = kRayUnits;
 
 // What the unit decides for one ray; entries of a launch id are indexed by ordinal.
 enum class VerdictAction : std::uint32_t {
