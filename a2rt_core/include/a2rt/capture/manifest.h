@@ -18,9 +18,11 @@ enum class BlockType : std::uint32_t {
   kTlas = 4,      // AsBlock, then InstanceBlock[count]
   kAsCopy = 5,    // AsCopyBlock: dst now holds what src held
   kDispatch = 6,  // DispatchBlock, then SiteBinding[site_count]
-  kPipeline = 7,  // PipelineBlock, then u32 shader[stage_count], GroupBlock[group_count]
+  kPipeline = 7,  // PipelineBlock, then u32 shader[stage_count] (kUnused: not instrumented),
+                  // GroupBlock[group_count]; stages and groups of libraries follow the own ones
   kRefused = 8,   // string: something the layer saw and could not capture, in words
-  kEnd = 9        // EndBlock; a manifest without it was cut off
+  kEnd = 9,       // EndBlock; a manifest without it was cut off
+  kEffects = 10   // EffectsBlock, then SiteBlock[site_count]: what one shader does with rays
 };
 
 struct BlockHeader {
@@ -41,6 +43,33 @@ struct ShaderBlock {
   std::uint64_t hash;          // FNV-1a of the original SPIR-V words
   std::uint32_t instrumented;  // 1, or 0 if the module was passed through
   std::uint32_t trace_sites;   // number of trace instructions
+};
+
+// What a shader can do with rays, from its code alone. Written after the shader's ShaderBlock.
+struct EffectsBlock {
+  std::uint32_t shader;
+  std::uint32_t flags;  // ShaderEffect bits
+  std::uint32_t site_count;
+  std::uint32_t reserved;
+};
+enum ShaderEffect : std::uint32_t {
+  kUsesRayQuery = 1,
+  kExecutesCallable = 2,
+  kReportsIntersection = 4,
+  kIgnoresIntersection = 8,
+  kTerminatesRay = 16,
+  kWritesState = 32  // writes memory or payload (decides whether an any-hit depends on the order)
+};
+// One trace instruction that the shader reaches.
+struct SiteBlock {
+  std::uint32_t site;
+  std::uint32_t is_query;
+  std::uint32_t flags_known;  // 1: ray_flags is a constant of the program
+  std::uint32_t ray_flags;
+  std::uint32_t mask_known;
+  std::uint32_t cull_mask;
+  std::uint32_t structure;  // 0 unknown, 1 descriptor (set, binding), 2 device address
+  std::uint32_t set, binding;
 };
 
 // An acceleration structure as built. `id` is unique per build; `address` is its device address.
@@ -88,6 +117,8 @@ struct DispatchBlock {
   std::uint32_t kind;  // 0 trace rays, 1 compute with ray queries, 2 draw with ray queries
   std::uint32_t pipeline;
   std::uint32_t site_count;
+  std::uint64_t first_unit;  // the records of this dispatch start here in records.bin and end where
+                             // those of the next dispatch start
 };
 
 // Which TLAS a trace site of a shader uses in one dispatch.
@@ -102,6 +133,8 @@ struct PipelineBlock {
   std::uint32_t stage_count;
   std::uint32_t group_count;
   std::uint32_t max_recursion;
+  std::uint32_t kind;  // as DispatchBlock::kind
+  std::uint32_t reserved;
 };
 inline constexpr std::uint32_t kUnused = 0xffffffffu;
 struct GroupBlock {
