@@ -1,0 +1,44 @@
+"""Set the machine up if needed, build the tests and run them.
+
+Ends with the test runner's own summary. The fast tier answers "is it right?" in minutes; the slow
+tier searches longer (fuzzing, large samples against the exact oracle).
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+
+from a2rt_cli.setup.needs import Need
+
+EXAMPLES = """  scripts/a2rt test                    the fast tier
+  scripts/a2rt test --tier all         everything
+  scripts/a2rt test --only hard_cases  the tests whose names contain hard_cases
+"""
+NEED = Need.TESTS
+PARALLEL = 2
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--tier", choices=("fast", "slow", "all"), default="fast", help="which tests (fast)"
+    )
+    parser.add_argument("--only", metavar="REGEX", help="only tests whose names match")
+    parser.add_argument(
+        "-j", "--parallel", type=int, default=PARALLEL, help=f"tests at a time ({PARALLEL})"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    from a2rt_cli.paths import BUILD
+
+    results = BUILD / "test-results.xml"
+    command = ["ctest", "--test-dir", str(BUILD), "--output-on-failure", "--no-tests=error"]
+    command += ["--parallel", str(args.parallel), "--output-junit", str(results)]
+    if args.tier != "all":
+        command += ["--label-regex", f"^{args.tier}$"]
+    if args.only:
+        command += ["--tests-regex", args.only]
+    env = {**os.environ, "A2RT_NO_SETUP": "1", "A2RT_BUILD_DIR": str(BUILD)}
+    return subprocess.run(command, env=env, stdin=subprocess.DEVNULL, check=False).returncode

@@ -1,0 +1,80 @@
+"""Brings the machine to what a command needs. A prepared machine costs a few file hashes."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+
+from a2rt_cli import console
+from a2rt_cli.errors import UserError
+from a2rt_cli.files import hash_file, hash_values, write_json
+from a2rt_cli.paths import BUILD, venv_python
+from a2rt_cli.setup import build, debian, driver, python_env
+from a2rt_cli.setup.needs import Need
+
+_STAMP = BUILD / "setup.json"
+
+
+def _packages_key() -> str:
+    """Changes when the package list, the release or the set of installed packages' driver does."""
+    icd = driver.icd_file()
+    release = Path("/etc/os-release")
+    return hash_values(
+        hash_file(debian.PACKAGE_FILE),
+        hash_file(release) if release.exists() else "",
+        hash_file(icd) if icd else "",
+    )
+
+
+def _stamped(key: str) -> str | None:
+    try:
+        return json.loads(_STAMP.read_text(encoding="utf-8")).get(key)
+    except (OSError, ValueError):
+        return None
+
+
+def _ensure_packages() -> None:
+    if _stamped("packages") == _packages_key():
+        return
+    missing = debian.missing_packages()
+    if missing:
+        console.note(f"Packages to install: {' '.join(package.name for package in missing)}")
+        with console.step("Installing packages") as shown:
+            debian.install(missing, shown.update)
+        left = debian.missing_packages()
+        if left:
+            raise UserError(
+                f"still missing after the installation: {', '.join(p.name for p in left)}",
+                "run: scripts/a2rt doctor",
+            )
+    with console.step("Checking the Vulkan driver"):
+        found = driver.probe()
+        if found is None or not found.ray_tracing:
+            have = "no lavapipe driver answers" if found is None else f"{found.version} is too old"
+            raise UserError(
+                f"the Vulkan driver has no ray-tracing pipelines: {have}",
+                "lavapipe of Mesa 25.0 or later is needed (package mesa-vulkan-drivers; on "
+                "Debian 12 from bookworm-backports); run: scripts/a2rt doctor",
+            )
+    write_json(_STAMP, {"packages": _packages_key()})
+
+
+def _ensure_python(need: Need) -> None:
+    if python_env.missing(need):
+        with console.step("Installing the Python environment") as shown:
+            python_env.create(need, shown.update)
+    if not python_env.check_running_from():
+        # From here on the pinned packages are needed: go on in the environment's interpreter.
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os.execv(venv_python(), [str(venv_python()), "-m", "a2rt_cli", *sys.argv[1:]])
+
+
+def prepare(need: Need) -> None:
+    """Makes `need` true or raises UserError. Prints nothing on a machine that is ready."""
+    _ensure_packages()
+    _ensure_python(need)
+    if need >= Need.ENGINE:
+        build.ensure(tests=need is Need.TESTS)

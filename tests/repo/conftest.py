@@ -1,0 +1,25 @@
+"""What the repository tests look at: the committed files."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+from a2rt_cli.paths import ROOT
+
+
+@pytest.fixture(scope="session")
+def tracked() -> list[Path]:
+    """Files that are, or are about to be, part of the repository."""
+    reply = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    found = [ROOT / line for line in reply.stdout.splitlines()]
+    files = [path for path in found if path.is_file()]
+    assert files, "git lists no file"
+    return files
