@@ -6,9 +6,9 @@
 // 2018 (the same idea at the leaves). Both dequantize to FP32 before an FP32 test.
 //
 // Grid: plane = lo + q * 2^e, q = 0..255. e is the smallest integer with 255 * 2^e >= hi - lo
-// (exact), clamped to [-149, 127]. Children: q_lo = floor, q_hi = ceil of (x - lo) / 2^e, exact.
-// Dequantization rounds outwards, so the FP32 box contains the child. An extent beyond 255 * 2^127
-// cannot occur (it is at most 2^129 < 255 * 2^127).
+// (exact), at least -126, so that e + 127 is the exponent byte of an FP32 number (e <= 122 always,
+// because an extent is below 2^129 < 255 * 2^122). Children: q_lo = floor, q_hi = ceil of
+// (x - lo) / 2^e, exact. Dequantization rounds outwards, so the FP32 box contains the child.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ namespace a2rt::arith {
 
 struct Pow2Frame {
   Vec3 lo;
-  std::array<std::int16_t, 3> exponent{};  // step = 2^exponent; stored biased in 8 bits as e + 150?
+  std::array<std::int8_t, 3> exponent{};  // step = 2^exponent
   friend constexpr bool operator==(const Pow2Frame&, const Pow2Frame&) = default;
 };
 

@@ -32,6 +32,10 @@ struct alignas(32) GroupRay {
   float near_origin[4] = {}, far_origin[4] = {};
   // Rates with the sign of d: m_lo for near, m_hi for far. inf marks a parallel axis.
   float near_rate[4] = {}, far_rate[4] = {};
+  // For the multiplier's correction tables (filled if multiplier_columns > 0): the unit in the last
+  // place of the rate (0 for infinite and zero rates) and its significand without the hidden bit.
+  float near_unit[4] = {}, far_unit[4] = {};
+  std::uint32_t near_row[4] = {}, far_row[4] = {};
   float t_shift = 0;
   std::uint8_t negative = 0;  // bit a: the near plane is hi
 };
@@ -59,16 +63,18 @@ class RayQuantizer {
     float near = 0, far = 0;
   };
   Rates rates(float dir, float scale) const;
-  GroupEntry enter_literal(const QuantizerRay& ray, const GroupFrame& frame, float t_shift,
-                           GroupRay& out) const;
+  Rates substitute_rates(float dir, float rate) const;
+  bool conservative_origin(const QuantizerRay& ray, const GroupFrame& frame, float t_shift,
+                           float lowest[3], float highest[3]) const;
+  bool plain_origin(const QuantizerRay& ray, const GroupFrame& frame, float t_shift,
+                    float lowest[3], float highest[3]) const;
+  void set_tables(GroupRay& out) const;
   float round_near(float value) const;
   float round_far(float value) const;
 
   A2rtPrecision precision_;
-  float min_rate_, max_rate_;  // |g| outside [min_rate_, max_rate_] gets the safe substitutes
-  float steep_near_, shallow_far_;
-  float largest_;
-  float min_origin_, max_origin_, offset_;
+  std::uint32_t dropped_bits_ = 0;  // FP32 mantissa bits the direction format lacks
+  float largest_, min_origin_, max_origin_, offset_;
 };
 
 }  // namespace a2rt::arith

@@ -67,6 +67,10 @@ SlabHit slab_test(const SlabRay& ray, const Box& box, float tmax);
 // The FP64 path for any active ray; its t_entry is the exact entry rounded down, to within 2^-50.
 SlabHit slab_test_wide(const SlabRay& ray, const Box& box, float tmax);
 
+// The textbook test without any padding (Kay and Kajiya), FP32: what a naive unit computes. Its
+// entry may be late and it may miss hits.
+SlabHit slab_test_plain(const SlabRay& ray, const Box& box, float tmax);
+
 // Up to eight boxes, structure of arrays. Unused slots must be empty boxes (Box{}) or masked by the
 // caller.
 struct alignas(32) BoxBlock {
