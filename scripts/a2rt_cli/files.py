@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import fcntl
 import hashlib
 import json
 import os
+import shutil
 import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
+
+from a2rt_cli.errors import UserError
 
 _CHUNK = 1 << 20
 
@@ -32,6 +36,27 @@ def replacing(target: Path) -> Iterator[Path]:
         temporary.replace(target)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+# Names of what a killed run may leave behind.
+_LEFTOVERS = (".run-*", ".capture-*", ".*.partial*")
+
+
+@contextlib.contextmanager
+def exclusive(folder: Path) -> Iterator[None]:
+    """Only one process writes into `folder` at a time; removes what a killed one left there."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder / ".lock").open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise UserError(
+                f"{folder}: another a2rt is writing there", "wait for it, or choose another -o"
+            ) from None
+        for pattern in _LEFTOVERS:
+            for path in folder.rglob(pattern):
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+        yield
 
 
 def write_text(target: Path, text: str) -> None:

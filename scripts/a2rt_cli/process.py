@@ -7,6 +7,7 @@ import re
 import shlex
 import signal
 import subprocess
+import threading
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -14,6 +15,9 @@ from pathlib import Path
 from a2rt_cli.errors import UserError
 
 _TAIL_LINES = 12
+
+_RUNNING: set[subprocess.Popen] = set()
+_RUNNING_LOCK = threading.Lock()
 
 # Called with every output line.
 LineSink = Callable[[str], None]
@@ -78,6 +82,8 @@ def run_logged(
             )
         except OSError as error:
             raise UserError(f"{what}: {command[0]}: {error.strerror}", remedy, log) from error
+        with _RUNNING_LOCK:
+            _RUNNING.add(child)
         try:
             assert child.stdout is not None
             for line in child.stdout:
@@ -91,6 +97,9 @@ def run_logged(
         except BaseException:
             end_group(child)
             raise
+        finally:
+            with _RUNNING_LOCK:
+                _RUNNING.discard(child)
     if status != 0:
         shown = [line for line in tail if line.strip()]
         raise ProgramFailed(f"{what} {describe_status(status)}", status, shown, remedy, log)
@@ -106,6 +115,14 @@ def end_group(child: subprocess.Popen) -> None:
     except subprocess.TimeoutExpired:
         os.killpg(child.pid, signal.SIGKILL)
         child.wait()
+
+
+def end_all() -> None:
+    """Ends the children of every thread; an interrupt reaches only the main thread."""
+    with _RUNNING_LOCK:
+        children = list(_RUNNING)
+    for child in children:
+        end_group(child)
 
 
 _PROGRESS = re.compile(r"^@progress\s+([0-9.]+)\s*(.*)$")

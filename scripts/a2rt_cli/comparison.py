@@ -1,0 +1,145 @@
+"""Units side by side on the same rays: capture once, run what is not yet there, write results.
+
+Killed at any moment it leaves only whole results behind, and the same call goes on from there.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import shutil
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from a2rt_cli import console, process, results
+from a2rt_cli.engine import capture, runs, scenes
+from a2rt_cli.engine.capture import Captured
+from a2rt_cli.engine.renderer import RenderOptions
+from a2rt_cli.engine.runs import RunSpec
+from a2rt_cli.files import exclusive, write_json, write_text
+
+# Runs are single-threaded processes; two keep a small machine busy without starving it.
+PARALLEL = 2
+
+
+@dataclass(frozen=True)
+class Item:
+    """One thing to compare on: a scene to draw, or a workload file."""
+
+    text: str
+    options: RenderOptions
+    name: str = ""
+
+
+def _capture_all(items: Sequence[Item], cache: Path) -> list[Captured]:
+    captured = []
+    for item in items:
+        if scenes.is_workload_file(item.text):
+            captured.append(capture.from_file(Path(item.text)))
+            continue
+        scene = scenes.find(item.text)
+        size = f"{item.options.width}x{item.options.height}"
+        words = f"Drawing and capturing {item.name or scene.name} ({item.options.workload}, {size})"
+        with console.step(words) as shown:
+            captured.append(
+                capture.from_scene(scene, item.options, cache, name=item.name, shown=shown)
+            )
+    names = [one.name for one in captured]
+    return [
+        one if names.count(one.name) == 1 else replace(one, name=f"{one.name}-{one.key[:6]}")
+        for one in captured
+    ]
+
+
+@dataclass(frozen=True)
+class _Job:
+    captured: Captured
+    spec: RunSpec
+    target: Path
+
+
+def _jobs(captured: Sequence[Captured], specs: Sequence[RunSpec], folder: Path) -> list[_Job]:
+    out = []
+    for one in captured:
+        for spec in specs:
+            unit = Path(spec.unit).stem
+            name = f"{unit}-{runs.run_key(one, spec)[:16]}.json"
+            out.append(_Job(one, spec, folder / one.name / name))
+    return out
+
+
+def _run_all(jobs: Sequence[_Job], pictures: Path, parallel: int) -> list[dict[str, Any]]:
+    """Results in the order of `jobs`. The first failure stops the rest and is raised."""
+    finished = {job.target: runs.load_finished(job.target) for job in jobs}
+    todo = [job for job in jobs if finished[job.target] is None]
+    if not todo:
+        return [finished[job.target] for job in jobs]  # type: ignore[misc]
+    already = len(jobs) - len(todo)
+    title = (
+        f"Running {len(todo)} of {len(jobs)} simulations"
+        if already
+        else (f"Running {len(todo)} simulations")
+    )
+    with console.step(title) as shown, ThreadPoolExecutor(parallel) as pool:
+        futures: dict[Future, _Job] = {
+            pool.submit(runs.execute, job.captured, job.spec, job.target, pictures): job
+            for job in todo
+        }
+        try:
+            for count, future in enumerate(as_completed(futures), 1):
+                job = futures[future]
+                finished[job.target] = future.result()
+                shown.update(count / len(todo), f"{job.captured.name} × {job.spec.label()}")
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            process.end_all()
+            raise
+    return [finished[job.target] for job in jobs]  # type: ignore[misc]
+
+
+def compare(
+    items: Sequence[Item],
+    specs: Sequence[RunSpec],
+    out: Path,
+    *,
+    parallel: int = PARALLEL,
+    command: str = "",
+) -> list[dict[str, Any]]:
+    """Runs every spec on every item; writes results.json, results.csv and pictures into `out`."""
+    with exclusive(out):
+        return _compare(items, specs, out, parallel, command)
+
+
+def _compare(
+    items: Sequence[Item], specs: Sequence[RunSpec], out: Path, parallel: int, command: str
+) -> list[dict[str, Any]]:
+    captured = _capture_all(items, out / ".cache" / "captures")
+    pictures = out / "pictures"
+    for one in captured:
+        if one.picture is not None:
+            target = pictures / f"{one.name}.driver.png"
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(one.picture, target)
+    jobs = _jobs(captured, specs, out / ".cache" / "runs")
+    found = _run_all(jobs, pictures, parallel)
+    for result in found:
+        result["provenance"]["a2rt"] = command
+    write_json(out / "results.json", found)
+    write_text(out / "results.csv", to_csv(found))
+    return found
+
+
+def to_csv(found: Sequence[dict[str, Any]]) -> str:
+    """Every number of every result, one row a run; nested keys joined by dots."""
+    rows = [results.flatten(result) for result in found]
+    columns: list[str] = []
+    for row in rows:
+        columns += [key for key in row if key not in columns]
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return stream.getvalue()

@@ -1,0 +1,67 @@
+"""A scene as a workload file: drawn and captured once, then found again by its content."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from a2rt_cli import console
+from a2rt_cli.engine import core, programs, renderer, scenes
+from a2rt_cli.engine.renderer import RenderOptions
+from a2rt_cli.files import HashCache, hash_values, write_json
+
+_HASHES = HashCache()
+
+
+@dataclass(frozen=True)
+class Captured:
+    """A workload file, and, if our program drew it, what is needed to draw it again."""
+
+    name: str
+    file: Path
+    key: str  # content hash
+    scene: scenes.Scene | None = None
+    options: RenderOptions | None = None
+    picture: Path | None = None  # the driver's
+
+
+def from_file(path: Path) -> Captured:
+    """An existing workload file; a2rt-core refuses it if it is truncated or foreign."""
+    core.inspect(path)
+    return Captured(path.stem, path, _HASHES.of(path))
+
+
+def from_scene(
+    scene: scenes.Scene,
+    options: RenderOptions,
+    cache: Path,
+    *,
+    name: str = "",
+    shown: console.Step | None = None,
+) -> Captured:
+    """Draws `scene` under the layer unless `cache` holds the result of the same inputs."""
+    key = hash_values(scene.content_key(), options.as_dict(), programs.capture_key())
+    folder = cache / f"{scene.name}-{key[:16]}"
+    if not (folder / "capture.json").is_file():
+        shutil.rmtree(folder, ignore_errors=True)  # left by a killed run
+        with renderer.scratch(cache) as scratch:
+            raw, picture, workload = scratch / "raw", scratch / "driver.png", scratch / "w.h5"
+            raw.mkdir()
+            renderer.render(scene, options, picture, capture=raw, shown=shown)
+            core.import_capture(
+                raw, workload, scene=scene.name, workload=options.workload, shown=shown
+            )
+            folder.mkdir(parents=True, exist_ok=True)
+            picture.replace(folder / "driver.png")
+            workload.replace(folder / "workload.h5")
+        # Written last: a folder without it is not trusted.
+        write_json(folder / "capture.json", {"scene": scene.name, "options": options.as_dict()})
+    return Captured(
+        name or scene.name,
+        folder / "workload.h5",
+        key,
+        scene,
+        options,
+        folder / "driver.png",
+    )

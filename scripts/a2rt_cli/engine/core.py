@@ -1,0 +1,128 @@
+"""Calls of a2rt-core, the simulator's engine. One function per subcommand that we use."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from a2rt_cli import console
+from a2rt_cli.engine import programs
+from a2rt_cli.errors import UserError
+from a2rt_cli.files import replacing
+from a2rt_cli.paths import CONFIGS
+
+
+def _call(words: Sequence[str | Path], what: str, shown: console.Step | None = None) -> list[str]:
+    log = programs.log_file(f"core-{words[0]}-{os.getpid()}-{abs(hash(tuple(map(str, words))))}")
+    lines = programs.call([programs.program("a2rt-core"), *words], what=what, log=log, shown=shown)
+    log.unlink(missing_ok=True)  # kept only when the call failed
+    return lines
+
+
+def import_capture(
+    raw: Path, target: Path, *, scene: str, workload: str, shown: console.Step | None = None
+) -> None:
+    """Turns a raw capture into a workload file; the file appears whole or not at all."""
+    with replacing(target) as temporary:
+        words = ["import", raw, "-o", temporary, "--scene", scene, "--workload", workload]
+        _call(words, f"importing the capture of {scene}", shown)
+
+
+def check(workload: Path, shown: console.Step | None = None) -> list[str]:
+    """Compares the driver's recorded hits with the exact walk over its own nodes."""
+    return _call(["check", workload], f"checking {workload.name}", shown)
+
+
+def inspect(workload: Path) -> dict[str, Any]:
+    return _result(["inspect", workload, "--json"], f"inspecting {workload.name}")
+
+
+def trace(
+    workload: Path,
+    unit: str,
+    target: Path,
+    *,
+    overrides: Sequence[str] = (),
+    audit: int | None = None,
+    verdicts: Path | None = None,
+    previous: Path | None = None,
+    shown: console.Step | None = None,
+) -> dict[str, Any]:
+    """Functional run of one unit: hits, accuracy, node traffic. No time."""
+    words: list[str | Path] = ["trace", workload, "--unit", unit, "-o", target]
+    for override in overrides:
+        words += ["--set", override]
+    if audit is not None:
+        words += ["--audit", str(audit)]
+    if verdicts is not None:
+        words += ["--verdicts", verdicts]
+    if previous is not None:
+        words += ["--previous-verdicts", previous]
+    _call(words, f"tracing {workload.name} with {unit}", shown)
+    return read_result(target)
+
+
+def simulate(
+    workload: Path,
+    unit: str,
+    gpu: str,
+    target: Path,
+    *,
+    overrides: Sequence[str] = (),
+    extra: Sequence[str] = (),
+    shown: console.Step | None = None,
+) -> dict[str, Any]:
+    """Cycles and energy of one unit."""
+    words: list[str | Path] = ["simulate", workload, "--unit", unit, "--gpu", gpu, "-o", target]
+    for override in overrides:
+        words += ["--set", override]
+    _call([*words, *extra], f"simulating {workload.name} with {unit} on {gpu}", shown)
+    return read_result(target)
+
+
+def bench_units(workload: Path, target: Path, shown: console.Step | None = None) -> dict[str, Any]:
+    _call(["bench-units", workload, "-o", target], f"timing units on {workload.name}", shown)
+    return read_result(target)
+
+
+def subcommands() -> frozenset[str]:
+    """What this build of a2rt-core can do."""
+    lines = _call(["--help"], "asking a2rt-core for its commands")
+    start = next((i for i, line in enumerate(lines) if line.lower().startswith("subcommand")), -1)
+    return frozenset(line.split()[0] for line in lines[start + 1 :] if line.strip())
+
+
+def read_result(path: Path) -> dict[str, Any]:
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise UserError(
+            f"{path}: not a result file ({error})", "remove it and run again"
+        ) from error
+
+
+def _result(words: Sequence[str | Path], what: str) -> dict[str, Any]:
+    text = "\n".join(_call(words, what))
+    try:
+        return json.loads(text[text.index("{") :])
+    except ValueError as error:
+        raise UserError(f"{what}: a2rt-core printed no JSON", "please report this") from error
+
+
+def config_names(kind: str) -> list[str]:
+    """Names in lumibench_configs/KIND: units, gpus, workloads, scenes, experiments."""
+    return sorted(path.stem for path in (CONFIGS / kind).glob("*.toml"))
+
+
+def config_file(kind: str, name: str) -> Path:
+    """The file that a unit's or GPU's name, or a path to a .toml file, stands for."""
+    path = Path(name) if name.endswith(".toml") else CONFIGS / kind / f"{name}.toml"
+    if not path.is_file():
+        raise UserError(
+            f"{name}: no such {kind.rstrip('s')}",
+            f"name a .toml file or one of: {', '.join(config_names(kind))}",
+        )
+    return path

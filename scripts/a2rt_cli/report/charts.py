@@ -1,0 +1,105 @@
+"""Bars as inline SVG: no script, sharp in print, readable by all kinds of colour vision.
+
+Colours are Okabe and Ito's set; every bar also carries its value in words.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+
+UNIT_COLOURS = {
+    "baseline": "#6b7280",
+    "aqb8": "#e69f00",
+    "a2rt": "#0072b2",
+    "cwbvh": "#cc79a7",
+    "clbvh": "#009e73",
+    "a2rt-literal": "#d55e00",
+}
+SERIES_COLOURS = (
+    "#0072b2",
+    "#e69f00",
+    "#009e73",
+    "#cc79a7",
+    "#56b4e9",
+    "#d55e00",
+    "#f0e442",
+    "#6b7280",
+)
+_ROW = 22
+_GAP = 12
+_LABEL = 150
+_VALUE = 110
+_WIDTH = 860
+
+
+@dataclass(frozen=True)
+class Bar:
+    group: str
+    label: str
+    parts: Mapping[str, float]  # series -> length
+
+
+def unit_colour(unit: str, index: int = 0) -> str:
+    return UNIT_COLOURS.get(unit, SERIES_COLOURS[index % len(SERIES_COLOURS)])
+
+
+def series_colours(names: Sequence[str]) -> dict[str, str]:
+    return {name: SERIES_COLOURS[i % len(SERIES_COLOURS)] for i, name in enumerate(names)}
+
+
+def _text(x: float, y: float, text: str, anchor: str = "start", cls: str = "t") -> str:
+    return (
+        f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" class="{cls}">{escape(text)}</text>'
+    )
+
+
+def stacked(
+    bars: Sequence[Bar],
+    colours: Mapping[str, str],
+    write: Callable[[float], str],
+    title: str,
+) -> str:
+    """Horizontal stacked bars in groups; each group is scaled to its own longest bar."""
+    groups: dict[str, list[Bar]] = {}
+    for bar in bars:
+        groups.setdefault(bar.group, []).append(bar)
+    y, out = 0.0, []
+    room = _WIDTH - _LABEL - _VALUE
+    for name, members in groups.items():
+        out.append(_text(0, y + 15, name, cls="t b"))
+        y += _ROW
+        longest = max(sum(bar.parts.values()) for bar in members) or 1.0
+        for bar in members:
+            out.append(_text(_LABEL - 10, y + 15, bar.label, "end"))
+            x = float(_LABEL)
+            for series, length in bar.parts.items():
+                width = room * length / longest
+                if width <= 0:
+                    continue
+                tip = escape(f"{bar.label}, {series}: {write(length)}")
+                out.append(
+                    f'<rect x="{x:.1f}" y="{y + 2}" width="{width:.2f}" height="{_ROW - 5}" '
+                    f'fill="{colours[series]}"><title>{tip}</title></rect>'
+                )
+                x += width
+            out.append(_text(x + 8, y + 15, write(sum(bar.parts.values()))))
+            y += _ROW
+        y += _GAP
+    return _svg(out, y, title)
+
+
+def legend(colours: Mapping[str, str]) -> str:
+    items = "".join(
+        f'<span class="key"><i style="background:{colour}"></i>{escape(name)}</span>'
+        for name, colour in colours.items()
+    )
+    return f'<div class="legend">{items}</div>'
+
+
+def _svg(parts: Sequence[str], height: float, title: str) -> str:
+    return (
+        f'<svg viewBox="0 0 {_WIDTH} {height:.0f}" role="img" class="chart">'
+        f"<title>{escape(title)}</title>{''.join(parts)}</svg>"
+    )

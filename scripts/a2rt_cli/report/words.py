@@ -1,0 +1,117 @@
+"""The summary in plain words. Every sentence is computed; none is written for a wished result."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from a2rt_cli import formats, results
+from a2rt_cli.report import measures
+from a2rt_cli.results import Result
+
+PER_MILLION = 1_000_000
+
+
+def _units(found: Sequence[Result]) -> dict[str, list[Result]]:
+    groups: dict[str, list[Result]] = {}
+    for one in found:
+        groups.setdefault(results.label(one), []).append(one)
+    return groups
+
+
+def titles(found: Sequence[Result]) -> dict[str, str]:
+    """Short names for prose: the unit's title up to its first comma or bracket."""
+    out = {}
+    for label, group in _units(found).items():
+        title = group[0]["unit"].get("title") or label
+        out[label] = label if label != results.unit_name(group[0]) else _short(title)
+    return out
+
+
+def _short(title: str) -> str:
+    for mark in (",", " (", ":"):
+        title = title.split(mark)[0]
+    return title
+
+
+def accuracy_sentences(found: Sequence[Result]) -> list[str]:
+    names = titles(found)
+    out = []
+    for label, group in _units(found).items():
+        lost = [results.lost_hits(one) for one in group]
+        if any(value is None for value in lost):
+            continue
+        rays = sum(int(one["workload"]["rays"]) for one in group)
+        pixels = sum(results.get(one, "picture.changed_pixels", 0) for one in group)
+        drawn = any(results.get(one, "picture") for one in group)
+        total = sum(lost)
+        if total == 0:
+            text = f"{names[label]} keeps the closest hit of every one of {rays:,} rays"
+            if drawn:
+                text += (
+                    " and draws the same pictures as the driver"
+                    if pixels == 0
+                    else f"; {pixels:,} pixels of its pictures differ from the driver's"
+                )
+        else:
+            rate = total / rays * PER_MILLION
+            text = (
+                f"{names[label]} loses the closest hit of {total:,} of {rays:,} rays "
+                f"({rate:.3g} in a million)"
+            )
+            if drawn:
+                text += f", which changes {pixels:,} pixels of its pictures"
+        out.append(text + ".")
+    return out
+
+
+def _against_baseline(found: Sequence[Result], label: str) -> list[str]:
+    parts = []
+    nodes = measures.mean_ratio(found, label, results.BASELINE, results.node_bytes)
+    if nodes is not None:
+        parts.append(f"reads {formats.percent(nodes)} of the baseline's node bytes")
+    cycles = measures.mean_ratio(found, label, results.BASELINE, measures.cycles)
+    if cycles is not None:
+        parts.append(
+            f"is {1 / cycles:.2f} times as fast"
+            if cycles <= 1
+            else f"takes {cycles:.2f} times as many cycles"
+        )
+    energy = measures.mean_ratio(found, label, results.BASELINE, measures.energy)
+    if energy is not None:
+        parts.append(f"uses {formats.percent(energy)} of its energy")
+    return parts
+
+
+def cost_sentences(found: Sequence[Result]) -> list[str]:
+    names = titles(found)
+    out = []
+    for label in _units(found):
+        if label == results.BASELINE:
+            continue
+        parts = _against_baseline(found, label)
+        if parts:
+            joined = ", ".join(parts[:-1]) + (" and " if len(parts) > 1 else "") + parts[-1]
+            out.append(f"{names[label]} {joined}.")
+    return out
+
+
+def missing_sentences(found: Sequence[Result]) -> list[str]:
+    out = []
+    if not any(results.get(one, "time.cycles") is not None for one in found):
+        out.append("Cycles and energy were not simulated in this run (give --gpu to do so).")
+    unsettled = [
+        f"{results.label(one)} on {results.workload_name(one)}"
+        for one in found
+        if results.get(one, "picture.converged") is False
+    ]
+    if unsettled:
+        out.append(
+            "The verdict loop did not settle within its passes for "
+            + ", ".join(unsettled)
+            + ": those pictures are approximate."
+        )
+    return out
+
+
+def summary(found: Sequence[Result]) -> list[str]:
+    return [*accuracy_sentences(found), *cost_sentences(found), *missing_sentences(found)]
