@@ -1,0 +1,156 @@
+#include "spirv/instrument.h"
+
+#include <algorithm>
+
+#include "spirv/analysis.h"
+#include "spirv/editor.h"
+#include "spirv/entry_wrapper.h"
+
+namespace a2rt::spirv {
+namespace {
+
+// SPIR-V 1.4 and later list every global an entry point uses, earlier ones only inputs and outputs.
+constexpr std::uint32_t kAllGlobalsListed = 0x00010400;
+constexpr std::uint32_t kMaxShaders = 0x10000;  // 16 bits of a record's first word
+
+// Picks the entry points to instrument and numbers them.
+std::uint32_t choose(Analysis& analysis, const CallGraph& calls,
+                     const std::vector<EntryDeclaration>& declarations,
+                     const InstrumentOptions& options) {
+  std::uint32_t count = 0;
+  for (std::size_t i = 0; i < declarations.size(); ++i) {
+    EntryPoint& entry = analysis.entry_points[i];
+    const RayFeatures features = calls.features(calls.reached(declarations[i].function));
+    entry.instrumented = can_record(entry, features);
+    if (entry.instrumented) {
+      entry.shader = options.first_shader_index + count++;
+    } else if (features.query_initializes) {
+      analysis.warnings.push_back("entry point '" + entry.name +
+                                  "': ray queries of this stage are not recorded");
+    }
+  }
+  if (count > 0 && (count > kMaxShaders || options.first_shader_index > kMaxShaders - count)) {
+    throw SpirvError(0, "shader index " + std::to_string(options.first_shader_index + count - 1) +
+                            " does not fit the 16 bits that records have for it");
+  }
+  for (TraceSite& site : analysis.sites) {
+    site.instrumented =
+        site.site < options.site_limit &&
+        std::ranges::any_of(analysis.entry_points, [&](const EntryPoint& entry) {
+          return entry.instrumented && std::ranges::binary_search(entry.sites, site.site);
+        });
+  }
+  return count;
+}
+
+class Rewriter {
+ public:
+  Rewriter(const Module& module, const CallGraph& calls, const InstrumentOptions& options)
+      : module_(module),
+        calls_(calls),
+        types_(module),
+        writer_(types_, options.header_address),
+        counters_(types_, options.counters),
+        hits_(types_),
+        weights_(module),
+        builtins_(types_),
+        editor_(module, types_),
+        shared_{options, calls, writer_, counters_, hits_, weights_} {}
+
+  std::vector<std::uint32_t> run(const Analysis& analysis,
+                                 const std::vector<EntryDeclaration>& declarations) {
+    editor_.use_device_addresses();
+    std::set<std::size_t> edited;
+    for (std::size_t i = 0; i < declarations.size(); ++i) {
+      if (analysis.entry_points[i].instrumented) {
+        edited.merge(calls_.reached(declarations[i].function));
+      }
+    }
+    rewrite_functions(edited);
+    for (std::size_t i = 0; i < declarations.size(); ++i) {
+      const EntryDeclaration& declaration = declarations[i];
+      if (analysis.entry_points[i].instrumented) {
+        EntryWrapper wrapper =
+            wrap_entry(declaration, shared_, builtins_, analysis.entry_points[i].shader);
+        editor_.redirect(declaration, wrapper.function, variables(std::move(wrapper.inputs)));
+        editor_.add_function(std::move(wrapper.code));
+      } else if (shares(declaration, edited)) {
+        editor_.redirect(declaration, declaration.function, variables({}));
+      }
+    }
+    return editor_.words();
+  }
+
+ private:
+  void rewrite_functions(const std::set<std::size_t>& edited) {
+    std::uint32_t site = 0;
+    for (std::size_t f = 0; f < module_.functions().size(); ++f) {
+      const Function& function = module_.functions()[f];
+      if (edited.contains(f)) {
+        editor_.replace_function(function.id,
+                                 FunctionPass(shared_, types_, site).rewrite(function));
+      }
+      site += static_cast<std::uint32_t>(std::ranges::count_if(function.code, is_trace_site));
+    }
+  }
+
+  bool shares(const EntryDeclaration& entry, const std::set<std::size_t>& edited) const {
+    return std::ranges::any_of(calls_.reached(entry.function),
+                               [&](std::size_t f) { return edited.contains(f); });
+  }
+
+  std::vector<Id> variables(std::vector<Id> inputs) const {
+    if (module_.version() >= kAllGlobalsListed) {
+      const auto add = [&](const std::vector<Id>& more) {
+        inputs.insert(inputs.end(), more.begin(), more.end());
+      };
+      add({writer_.context_variable()});
+      add(counters_.variables());
+      add(hits_.variables());
+    }
+    return inputs;
+  }
+
+  const Module& module_;
+  const CallGraph& calls_;
+  TypePool types_;
+  RecordWriter writer_;
+  Counters counters_;
+  HitData hits_;
+  WeightTable weights_;
+  BuiltinPool builtins_;
+  ModuleEditor editor_;
+  Instrumentation shared_;
+};
+
+}  // namespace
+
+InstrumentResult instrument(std::span<const std::uint32_t> words,
+                            const InstrumentOptions& options) {
+  const Module module = Module::parse(words);
+  const CallGraph calls(module);
+  InstrumentResult result;
+  result.analysis = analyse_module(module, calls, std::nullopt);
+  result.words.assign(words.begin(), words.end());
+  if (!result.analysis.has_rays()) {
+    return result;
+  }
+  if (const std::string reason = reason_to_pass_through(module); !reason.empty()) {
+    result.analysis.warnings.push_back("the module is passed through: " + reason);
+    return result;
+  }
+  if (!options.rays && !options.results && !options.candidates && !options.counters &&
+      !options.verdicts) {
+    return result;
+  }
+  const std::vector<EntryDeclaration> declarations = entry_declarations(module);
+  result.shader_count = choose(result.analysis, calls, declarations, options);
+  if (result.shader_count == 0) {
+    return result;
+  }
+  result.words = Rewriter(module, calls, options).run(result.analysis, declarations);
+  result.instrumented = true;
+  return result;
+}
+
+}  // namespace a2rt::spirv

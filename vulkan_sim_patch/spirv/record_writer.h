@@ -1,0 +1,76 @@
+// Emits the code that appends one record to the record buffer (capture/records.h).
+//
+// Only the address of the RecordHeader is baked into the shader. The cursor is claimed with one
+// atomic addition; a record that does not fit goes to the spare units after the buffer and is
+// counted as lost. All of it is straight-line code: OpSelect instead of branches.
+#pragma once
+
+#include "a2rt/capture/records.h"
+#include "spirv/code.h"
+
+namespace a2rt::spirv {
+
+// Values a record site needs, loaded once per site.
+struct RecordSite {
+  Id tag = 0;          // stage << 8 | shader << 16
+  Id launch = 0;       // linear launch id
+  Id enabled = 0;      // 1, or 0 if an entry point that records nothing got here
+  Id header = 0;       // pointer to the header block
+  Id state = 0;        // uvec4 cursor, capacity, lost, dispatch
+  Id addresses = 0;    // uvec4 records, ordinals
+  Id limits = 0;       // uvec4 verdict_launches, ordinal_launches, launch_width, reserved
+  Id ordinal_ptr = 0;  // of this launch id
+  Id ordinal = 0;      // its value
+};
+
+// Where a record was put.
+struct RecordPlace {
+  Id base = 0;    // pointer to the record buffer's block
+  Id offset = 0;  // in units
+};
+
+class RecordWriter {
+ public:
+  RecordWriter(TypePool& types, std::uint64_t header_address);
+
+  // The Private uvec4 {tag, launch, enabled, 0} that a wrapper sets before anything else.
+  Id context_variable() const { return context_; }
+  void set_context(CodeBuilder& code, capture::Stage stage, std::uint32_t shader, Id launch) const;
+
+  RecordSite begin(CodeBuilder& code) const;
+  void reset_ordinal(CodeBuilder& code, const RecordSite& site) const;
+  void advance_ordinal(CodeBuilder& code, const RecordSite& site) const;
+
+  // Claims the units of a record and writes its first one.
+  RecordPlace open(CodeBuilder& code, const RecordSite& site, capture::RecordKind kind,
+                   std::uint32_t units) const;
+  void put(CodeBuilder& code, const RecordPlace& place, std::uint32_t unit, Id value) const;
+  // Replaces one word of a unit already written.
+  void put_word(CodeBuilder& code, const RecordPlace& place, std::uint32_t unit, std::uint32_t word,
+                Id value) const;
+
+  // Blocks of 16-byte units and of words at a physical address (two words, low first).
+  Id units_at(CodeBuilder& code, Id low, Id high) const;
+  Id words_at(CodeBuilder& code, Id low, Id high) const;
+  Id load_unit(CodeBuilder& code, Id units, Id index) const;
+  Id load_word(CodeBuilder& code, Id words, Id index) const;
+  // The header itself, as {low, high}.
+  std::uint32_t header_low() const { return static_cast<std::uint32_t>(header_address_); }
+  std::uint32_t header_high() const { return static_cast<std::uint32_t>(header_address_ >> 32); }
+
+ private:
+  Id word_pointer(CodeBuilder& code, Id words, Id index) const;
+  Id at_address(CodeBuilder& code, Id pointer_type, Id low, Id high) const;
+  Id header_word(CodeBuilder& code, Id header, std::size_t byte_offset) const;
+  Id atomic_add(CodeBuilder& code, Id pointer, Id value) const;
+
+  std::uint64_t header_address_;
+  std::uint32_t scope_;
+  Id context_ = 0;
+  Id units_pointer_ = 0;  // type: pointer to a block of uvec4
+  Id words_pointer_ = 0;  // type: pointer to a block of uint
+  Id unit_pointer_ = 0;   // type: pointer to uvec4
+  Id word_pointer_ = 0;   // type: pointer to uint
+};
+
+}  // namespace a2rt::spirv
