@@ -5,6 +5,7 @@ Killed at any moment it leaves only whole results behind, and the same call goes
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import shutil
@@ -15,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from a2rt_cli import console, process, results
-from a2rt_cli.engine import capture, runs, scenes
+from a2rt_cli.engine import capture, effects, runs, scenes
 from a2rt_cli.engine.capture import Captured
 from a2rt_cli.engine.renderer import RenderOptions
 from a2rt_cli.engine.runs import RunSpec
@@ -55,36 +56,38 @@ def _capture_all(items: Sequence[Item], cache: Path) -> list[Captured]:
 
 
 @dataclass(frozen=True)
-class _Job:
+class Job:
     captured: Captured
     spec: RunSpec
     target: Path
 
 
-def _jobs(captured: Sequence[Captured], specs: Sequence[RunSpec], folder: Path) -> list[_Job]:
+def jobs_of(captured: Sequence[Captured], specs: Sequence[RunSpec], folder: Path) -> list[Job]:
     out = []
     for one in captured:
         for spec in specs:
             unit = Path(spec.unit).stem
             name = f"{unit}-{runs.run_key(one, spec)[:16]}.json"
-            out.append(_Job(one, spec, folder / one.name / name))
+            out.append(Job(one, spec, folder / one.name / name))
     return out
 
 
-def _run_all(jobs: Sequence[_Job], pictures: Path, parallel: int) -> list[dict[str, Any]]:
+def run_all(
+    jobs: Sequence[Job], pictures: Path, parallel: int, quiet: bool = False
+) -> list[dict[str, Any]]:
     """Results in the order of `jobs`. The first failure stops the rest and is raised."""
     finished = {job.target: runs.load_finished(job.target) for job in jobs}
     todo = [job for job in jobs if finished[job.target] is None]
     if not todo:
         return [finished[job.target] for job in jobs]  # type: ignore[misc]
-    already = len(jobs) - len(todo)
-    title = (
-        f"Running {len(todo)} of {len(jobs)} simulations"
-        if already
-        else (f"Running {len(todo)} simulations")
-    )
-    with console.step(title) as shown, ThreadPoolExecutor(parallel) as pool:
-        futures: dict[Future, _Job] = {
+    of_all = f" of {len(jobs)}" if len(todo) < len(jobs) else ""
+    with contextlib.ExitStack() as stack:
+        shown = None
+        if not quiet:
+            title = f"Running {len(todo)}{of_all} simulations"
+            shown = stack.enter_context(console.step(title))
+        pool = stack.enter_context(ThreadPoolExecutor(parallel))
+        futures: dict[Future, Job] = {
             pool.submit(runs.execute, job.captured, job.spec, job.target, pictures): job
             for job in todo
         }
@@ -92,7 +95,8 @@ def _run_all(jobs: Sequence[_Job], pictures: Path, parallel: int) -> list[dict[s
             for count, future in enumerate(as_completed(futures), 1):
                 job = futures[future]
                 finished[job.target] = future.result()
-                shown.update(count / len(todo), f"{job.captured.name} × {job.spec.label()}")
+                if shown is not None:
+                    shown.update(count / len(todo), f"{job.captured.name} × {job.spec.label()}")
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             process.end_all()
@@ -123,11 +127,12 @@ def _compare(
             target = pictures / f"{one.name}.driver.png"
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(one.picture, target)
-    jobs = _jobs(captured, specs, out / ".cache" / "runs")
-    found = _run_all(jobs, pictures, parallel)
+    jobs = jobs_of(captured, specs, out / ".cache" / "runs")
+    found = run_all(jobs, pictures, parallel)
     for result in found:
         result["provenance"]["a2rt"] = command
     write_json(out / "results.json", found)
+    write_json(out / "effects.json", {one.name: effects.of_captured(one) for one in captured})
     write_text(out / "results.csv", to_csv(found))
     return found
 

@@ -97,3 +97,13 @@ class HashCache:
         if key not in self._known:
             self._known[key] = hash_file(path)
         return self._known[key]
+
+
+def read_json(path: Path) -> Any:
+    """Raises UserError if the file is missing or not JSON."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise UserError(
+            f"{path}: not readable as JSON ({error})", "run the command again"
+        ) from error

@@ -53,7 +53,8 @@ def compare(reference: Path, other: Path) -> Difference:
 def draw_difference(reference: Path, other: Path, target: Path) -> None:
     """Changed pixels in orange on a dim grey copy; the stronger the change the brighter.
 
-    Orange on grey is told apart by every kind of colour vision, and in print.
+    Each changed pixel gets a fainter ring, or a single one would be lost to the eye. Orange on grey
+    is told apart by every kind of colour vision, and in print.
     """
     import numpy as np
     from PIL import Image
@@ -62,7 +63,11 @@ def draw_difference(reference: Path, other: Path, target: Path) -> None:
     delta = np.abs(a - b).max(axis=2)
     grey = 40.0 + 0.35 * a.mean(axis=2)
     out = np.repeat(grey[:, :, None], 3, axis=2)
-    weight = np.where(delta > 0, np.clip(0.45 + AMPLIFY * delta / 255.0, 0, 1), 0)[:, :, None]
+    weight = np.where(delta > 0, np.clip(0.45 + AMPLIFY * delta / 255.0, 0, 1), 0)
+    ring = np.pad(weight, 1)
+    rows, columns = weight.shape
+    around = [ring[y : y + rows, x : x + columns] for y in range(3) for x in range(3)]
+    weight = np.maximum(weight, 0.4 * np.maximum.reduce(around))[:, :, None]
     orange = np.array([255.0, 149.0, 0.0], dtype=np.float32)
     out = out * (1 - weight) + orange * weight
     with replacing(target) as temporary:

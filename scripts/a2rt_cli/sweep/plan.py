@@ -1,0 +1,145 @@
+"""An experiment as captures and points; the workflow's jobs and the report read the same plan."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from a2rt_cli import comparison, experiment, results
+from a2rt_cli.engine import programs, scenes
+from a2rt_cli.engine.renderer import RenderOptions
+from a2rt_cli.engine.runs import RunSpec
+from a2rt_cli.errors import UserError
+from a2rt_cli.experiment import Experiment
+from a2rt_cli.files import hash_values, read_json, write_json, write_text
+
+load = experiment.load
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run of the sweep. `role` says why it is there; a point may serve several knobs."""
+
+    name: str
+    capture: str
+    spec: RunSpec
+    roles: tuple[str, ...]  # "unit", "knob:KEY", "factorial"
+
+
+@dataclass(frozen=True)
+class Plan:
+    title: str
+    captures: dict[str, dict[str, Any]]
+    points: list[Point]
+
+
+def toml_text(value: Any) -> str:
+    """A value as `--set` takes it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return f'"{value}"' if isinstance(value, str) else repr(value)
+
+
+def override(key: str, value: Any) -> str:
+    return f"{key}={toml_text(value)}"
+
+
+def _specs(one: Experiment) -> dict[RunSpec, list[str]]:
+    """Every configuration with the reasons for it; equal ones are run once."""
+    found: dict[RunSpec, list[str]] = {}
+
+    def add(spec: RunSpec, role: str) -> None:
+        found.setdefault(spec, []).append(role)
+
+    for spec in one.specs():
+        add(spec, "unit")
+    for knob in one.knobs:
+        for value in knob.values:
+            # The default is the unit as configured, so that all knobs share that one run.
+            changes = () if value == knob.default else (override(knob.key, value),)
+            add(_spec(one, knob.unit, changes), f"knob:{knob.unit}.{knob.key}")
+    if one.factorial:
+        for values in itertools.product(*one.factorial.values()):
+            changes = [
+                override(key, value)
+                for key, value in zip(one.factorial, values, strict=True)
+                if value != _default(one, key)
+            ]
+            add(_spec(one, one.factorial_unit, tuple(changes)), "factorial")
+    return found
+
+
+def _default(one: Experiment, key: str) -> Any:
+    """The unit's own value of a key, if a knob of the experiment states it."""
+    for knob in one.knobs:
+        if knob.unit == one.factorial_unit and knob.key == key:
+            return knob.default
+    return None
+
+
+def _spec(one: Experiment, unit: str, overrides: Sequence[str]) -> RunSpec:
+    return RunSpec(unit, one.gpu, tuple(overrides), one.audit, one.pictures)
+
+
+def make(one: Experiment) -> Plan:
+    captures = {
+        item.name: {"scene": item.text, "options": item.options.as_dict()} for item in one.items()
+    }
+    points = []
+    for name in captures:
+        for spec, roles in _specs(one).items():
+            key = hash_values(name, asdict(spec), programs.core_key())[:12]
+            points.append(Point(f"{name}.{Path(spec.unit).stem}.{key}", name, spec, tuple(roles)))
+    return Plan(one.title, captures, points)
+
+
+def write(one: Experiment, out: Path) -> Plan:
+    """Writes OUT/plan.json. A changed experiment makes a new plan; finished points stay."""
+    planned = make(one)
+    write_json(out / "plan.json", asdict(planned))
+    return planned
+
+
+def read(path: Path) -> Plan:
+    value = read_json(path)
+    points = [
+        Point(
+            point["name"],
+            point["capture"],
+            RunSpec(
+                **{
+                    **point["spec"],
+                    "overrides": tuple(point["spec"]["overrides"]),
+                    "extra": tuple(point["spec"]["extra"]),
+                }
+            ),
+            tuple(point["roles"]),
+        )
+        for point in value["points"]
+    ]
+    return Plan(value["title"], value["captures"], points)
+
+
+def capture_item(plan: Plan, name: str) -> tuple[scenes.Scene, RenderOptions]:
+    entry = plan.captures[name]
+    return scenes.find(entry["scene"]), RenderOptions(**entry["options"])
+
+
+def collect(plan: Plan, out: Path, command: str) -> list[dict[str, Any]]:
+    """Writes results.json and results.csv from the finished points."""
+    found = []
+    for point in plan.points:
+        path = out / "points" / f"{point.name}.json"
+        if not path.is_file():
+            raise UserError(f"{path}: this point did not finish", "run the sweep again")
+        result = read_json(path)
+        result["roles"] = list(point.roles)
+        result["overrides"] = list(point.spec.overrides)
+        result["provenance"]["a2rt"] = command
+        found.append(result)
+    write_json(out / "results.json", found)
+    write_text(out / "results.csv", comparison.to_csv(found))
+    return results.load(out)
