@@ -53,6 +53,7 @@ struct StructureSource {
   std::uint32_t binding = 0;
   bool is_array = false;                   // the descriptor is an array of structures ...
   std::optional<std::uint32_t> element{};  // ... and this its element, if constant
+  bool operator==(const StructureSource&) const = default;
 };
 
 // One OpTraceRayKHR or OpRayQueryInitializeKHR. Sites are numbered through the module in the order

@@ -159,40 +159,57 @@ ValueTracer::Step ValueTracer::evaluate(Id value, int& steps) const {
     case Op::OpBitcast:
       return evaluate(defined->operand(0), steps);
     case Op::OpFunctionParameter:
-      return evaluate(only_argument(value), steps);
+      return agreed(arguments(value), [&](Id a) { return evaluate(a, steps); });
     case Op::OpLoad:
-      return evaluate(only_value(defined->operand(0), steps), steps);
+      return evaluate_load(defined->operand(0), steps);
     default:
       return evaluate_binary(*defined, defined->op(), 0, steps);
   }
 }
 
-Id ValueTracer::only_argument(Id parameter) const {
-  const auto place = parameters_.find(parameter);
-  if (place == parameters_.end()) {
-    return 0;
-  }
-  Id argument = 0;
-  for (const Instruction* const call : calls_.calls_of(place->second.first)) {
-    const std::size_t operand = place->second.second + 1;
-    const Id passed = operand < call->operand_count() ? call->operand(operand) : 0;
-    if (passed == 0 || (argument != 0 && argument != passed)) {
-      return 0;
+template <class List, class Evaluate>
+ValueTracer::Step ValueTracer::agreed(const List& list, Evaluate evaluate_one) const {
+  Step common;
+  for (const Id member : list) {
+    const Step value = evaluate_one(member);
+    if (!value || (common && *common != *value)) {
+      return std::nullopt;
     }
-    argument = passed;
+    common = value;
   }
-  return argument;
+  return common;
 }
 
-Id ValueTracer::only_value(Id pointer, int& steps) const {
+ValueTracer::Step ValueTracer::evaluate_load(Id pointer, int& steps) const {
+  if (--steps < 0) {
+    return std::nullopt;
+  }
+  if (!is_parameter(pointer)) {
+    return evaluate(only_stored(pointer), steps);
+  }
   const auto used = uses_.find(pointer);
-  if (--steps < 0 || used == uses_.end() || used->second.other) {
-    return 0;
+  if (used == uses_.end() || used->second.other || !used->second.stored.empty()) {
+    return std::nullopt;
   }
-  if (parameters_.contains(pointer)) {
-    return used->second.stored.empty() ? only_value(only_argument(pointer), steps) : 0;
+  return agreed(arguments(pointer), [&](Id a) { return evaluate_load(a, steps); });
+}
+
+Id ValueTracer::only_stored(Id variable) const {
+  const auto used = uses_.find(variable);
+  const bool single = used != uses_.end() && !used->second.other && used->second.stored.size() == 1;
+  return single ? used->second.stored[0] : 0;
+}
+
+std::vector<Id> ValueTracer::arguments(Id parameter) const {
+  std::vector<Id> passed;
+  const auto place = parameters_.find(parameter);
+  if (place != parameters_.end()) {
+    for (const Instruction* const call : calls_.calls_of(place->second.first)) {
+      const std::size_t operand = place->second.second + 1;
+      passed.push_back(operand < call->operand_count() ? call->operand(operand) : 0);
+    }
   }
-  return used->second.stored.size() == 1 ? used->second.stored[0] : 0;
+  return passed;
 }
 
 StructureSource ValueTracer::structure(Id value) const {
@@ -200,6 +217,19 @@ StructureSource ValueTracer::structure(Id value) const {
   int steps = kSteps;
   source(value, found, steps);
   return found;
+}
+
+void ValueTracer::source_of_parameter(Id parameter, StructureSource& found, int& steps) const {
+  std::optional<StructureSource> common;
+  for (const Id argument : arguments(parameter)) {
+    StructureSource one;
+    source(argument, one, steps);
+    if (common && *common != one) {
+      return;
+    }
+    common = one;
+  }
+  found = common.value_or(StructureSource{});
 }
 
 void ValueTracer::source(Id value, StructureSource& found, int& steps) const {
@@ -212,7 +242,7 @@ void ValueTracer::source(Id value, StructureSource& found, int& steps) const {
       found.kind = StructureSource::Kind::kAddress;
       return;
     case Op::OpLoad: {
-      const Id only = only_value(defined->operand(0), steps);
+      const Id only = only_stored(defined->operand(0));
       source(only != 0 ? only : defined->operand(0), found, steps);
       return;
     }
@@ -220,7 +250,7 @@ void ValueTracer::source(Id value, StructureSource& found, int& steps) const {
       source(defined->operand(0), found, steps);
       return;
     case Op::OpFunctionParameter:
-      source(only_argument(value), found, steps);
+      source_of_parameter(value, found, steps);
       return;
     case Op::OpAccessChain:
     case Op::OpInBoundsAccessChain:

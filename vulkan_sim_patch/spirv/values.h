@@ -34,10 +34,16 @@ class ValueTracer {
   Step evaluate_binary(const Instruction& instruction, spv::Op op, std::size_t first,
                        int& steps) const;
   Step specialized(const Instruction& constant) const;
-  // The one value a load through `pointer` can give; 0 if there may be several.
-  Id only_value(Id pointer, int& steps) const;
-  // What every call passes for the parameter; 0 if calls differ.
-  Id only_argument(Id parameter) const;
+  Step evaluate_load(Id pointer, int& steps) const;
+  // The same value for every member of `list`, else nothing.
+  template <class List, class Evaluate>
+  Step agreed(const List& list, Evaluate evaluate_one) const;
+  // The one value stored to a variable of a function; 0 if there may be several.
+  Id only_stored(Id variable) const;
+  bool is_parameter(Id id) const { return parameters_.contains(id); }
+  // What each call passes for the parameter.
+  std::vector<Id> arguments(Id parameter) const;
+  void source_of_parameter(Id parameter, StructureSource& found, int& steps) const;
   void source(Id value, StructureSource& found, int& steps) const;
   void note_uses(const Function& function);
 
