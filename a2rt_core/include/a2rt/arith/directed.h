@@ -32,7 +32,7 @@ constexpr float next_down(float x) { return -next_up(-x); }
 // below f is < rounded, hence <= exact: it is the answer. If f < rounded, likewise f <= exact and
 // the next FP32 number is > exact. If f == rounded the residual's sign decides. The conversion
 // itself maps overflow to inf, whose lower neighbour is FLT_MAX.
-constexpr float round_down(double rounded, double residual = 0) {
+inline float round_down(double rounded, double residual = 0) {
   const auto f = static_cast<float>(rounded);
   const double back = f;
   if (mutant(Mutant::kResidualIgnored)) {
@@ -40,7 +40,7 @@ constexpr float round_down(double rounded, double residual = 0) {
   }
   return back > rounded || (back == rounded && residual < 0) ? next_down(f) : f;
 }
-constexpr float round_up(double rounded, double residual = 0) {
+inline float round_up(double rounded, double residual = 0) {
   return -round_down(-rounded, -residual);
 }
 
@@ -55,21 +55,21 @@ constexpr ExactSum two_sum(double a, double b) {
   return {s, (a - (s - bb)) + (b - bb)};
 }
 
-constexpr float add_down(float a, float b) {
+inline float add_down(float a, float b) {
   const ExactSum s = two_sum(a, b);
   return round_down(s.sum, s.error);
 }
-constexpr float add_up(float a, float b) {
+inline float add_up(float a, float b) {
   const ExactSum s = two_sum(a, b);
   return round_up(s.sum, s.error);
 }
-constexpr float sub_down(float a, float b) {
+inline float sub_down(float a, float b) {
   if (mutant(Mutant::kSubRoundsNearest)) {
     return a - b;
   }
   return add_down(a, -b);
 }
-constexpr float sub_up(float a, float b) {
+inline float sub_up(float a, float b) {
   if (mutant(Mutant::kSubRoundsNearest)) {
     return a - b;
   }
@@ -77,13 +77,13 @@ constexpr float sub_up(float a, float b) {
 }
 
 // The FP64 product of two FP32 numbers is exact: 48 significant bits, exponent within -298..256.
-constexpr float mul_down(float a, float b) {
+inline float mul_down(float a, float b) {
   if (mutant(Mutant::kMulRoundsNearest)) {
     return a * b;
   }
   return round_down(static_cast<double>(a) * b);
 }
-constexpr float mul_up(float a, float b) {
+inline float mul_up(float a, float b) {
   if (mutant(Mutant::kMulRoundsNearest)) {
     return a * b;
   }
@@ -94,19 +94,19 @@ constexpr float mul_up(float a, float b) {
 // the product's last place, so |a/b - f| >= 2^-48 |f|, far more than the 2^-53 |f| by which the
 // FP64 quotient errs. Hence the FP64 quotient equals an FP32 number only when the division is
 // exact, and otherwise lies on the right side of every FP32 number. b must not be zero.
-constexpr float div_down(float a, float b) {
+inline float div_down(float a, float b) {
   if (mutant(Mutant::kDivRoundsNearest)) {
     return a / b;
   }
   return round_down(static_cast<double>(a) / b);
 }
-constexpr float div_up(float a, float b) {
+inline float div_up(float a, float b) {
   if (mutant(Mutant::kDivRoundsNearest)) {
     return a / b;
   }
   return round_up(static_cast<double>(a) / b);
 }
-constexpr float rcp_down(float b) { return div_down(1.0F, b); }
-constexpr float rcp_up(float b) { return div_up(1.0F, b); }
+inline float rcp_down(float b) { return div_down(1.0F, b); }
+inline float rcp_up(float b) { return div_up(1.0F, b); }
 
 }  // namespace a2rt::arith
