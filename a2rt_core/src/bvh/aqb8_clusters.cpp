@@ -98,8 +98,10 @@ class Program {
       const double a = area(r.box, path_[k]);
       const double stay = 2 * config_.t_trv_int * a + sums[k];
       const double change = (2 * config_.t_trv_int + config_.t_switch) * a + sums[d];
-      choice_[offset_[v] + k] = change < stay;
-      rows_[d - 1][k] += std::min(stay, change);
+      // A box without extent has no scale, so it cannot anchor (the artifact aborts there).
+      const bool opens = change < stay && path_[d].sx > 0;
+      choice_[offset_[v] + k] = opens;
+      rows_[d - 1][k] += opens ? change : stay;
     }
   }
 
@@ -130,7 +132,7 @@ class Emission {
         result_.cluster[i] = parent_cluster_[i];
         continue;
       }
-      const bool opens = i == 0 || must_switch(i, depth[i]);
+      const bool opens = i == 0 || must_switch(i);
       result_.is_switch[i] = opens ? 1 : 0;
       result_.cluster[i] = opens ? open(i) : parent_cluster_[i];
       Cluster& own = result_.clusters[result_.cluster[i]];
@@ -147,7 +149,7 @@ class Emission {
   }
 
  private:
-  bool must_switch(std::uint32_t i, std::uint32_t) {
+  bool must_switch(std::uint32_t i) {
     if (program_.switches(i, anchor_depth_[i])) {
       return true;
     }
@@ -215,6 +217,23 @@ class Emission {
 
 double quantized_half_area(const Box& box, const Box& anchor) {
   return area(box, reference(anchor));
+}
+
+void adopt_cluster_order(WideBvh& bvh, Clustering& clusters) {
+  std::vector<std::uint32_t> order;
+  order.reserve(bvh.order.size());
+  for (std::uint32_t& slot : clusters.primitives) {
+    order.push_back(bvh.order[slot]);
+    slot = static_cast<std::uint32_t>(order.size() - 1);
+  }
+  for (std::size_t i = 0; i < clusters.first_primitive.size(); ++i) {
+    if (bvh.records[i].leaf()) {
+      bvh.records[i].first = clusters.first_primitive[i];
+    }
+  }
+  if (!clusters.primitives.empty()) {
+    bvh.order = std::move(order);
+  }
 }
 
 Clustering cluster_aqb8(const WideBvh& bvh, const ClusterConfig& config) {

@@ -7,7 +7,7 @@
 namespace a2rt::bvh {
 namespace {
 
-constexpr std::int32_t kExponentBias = 128;
+constexpr std::int32_t kExponentBias = 127;
 constexpr std::uint32_t kInnerMeta = 0x20 | 24;
 
 void write_frame(ByteWriter& out, const arith::Pow2Frame& frame) {

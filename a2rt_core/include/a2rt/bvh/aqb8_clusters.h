@@ -55,6 +55,10 @@ struct Clustering {
 // Throws UserError for more than `most_clusters` clusters, naming the parameters to change.
 [[nodiscard]] Clustering cluster_aqb8(const WideBvh& bvh, const ClusterConfig& config);
 
+// Gives `bvh` the clusters' order of primitives: afterwards every leaf's `first` is its entry of
+// first_primitive, and `primitives` is the identity.
+void adopt_cluster_order(WideBvh& bvh, Clustering& clusters);
+
 // Half area of `box` after quantization against `anchor` and back (the A of the cost model).
 double quantized_half_area(const Box& box, const Box& anchor);
 

@@ -14,7 +14,7 @@ class ChildRef {
   static constexpr std::uint32_t kMostInner = (1U << 30) - 1;
   static constexpr std::uint32_t kMostFirst = (1U << 27) - 1;
 
-  constexpr ChildRef() = default;
+  ChildRef() = default;  // indeterminate, so that a traversal's stack costs nothing to make
   // `opens`: entering the node starts a new frame (A2RT group, AQB8 cluster).
   static ChildRef inner(std::uint32_t index, bool opens) {
     A2RT_CHECK(index <= kMostInner, "a tree has more than 2^30 inner nodes");
@@ -39,7 +39,7 @@ class ChildRef {
  private:
   static constexpr std::uint32_t kLeaf = 1U << 31, kOpens = 1U << 30;
   explicit constexpr ChildRef(std::uint32_t bits) : bits_(bits) {}
-  std::uint32_t bits_ = 0;
+  std::uint32_t bits_;
 };
 static_assert(sizeof(ChildRef) == 4);
 

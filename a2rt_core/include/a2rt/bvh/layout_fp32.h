@@ -3,12 +3,14 @@
 // The paper gives the size only. Packed here: box 24, start and end of the child range 4 + 4, id
 // byte 1 (0xff leaf, 0 inner), zeros up to the record size. 33 is what the content needs; the size
 // is a parameter so that a reader can see how much of a saving is the baseline's padding.
-// Start and end are record numbers (inner) or leaf-order primitive slots (leaf).
+// Start and end are byte offsets in the structure's node region (inner) or leaf-order primitive
+// slots (leaf).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "a2rt/bvh/wide_bvh.h"
@@ -23,9 +25,16 @@ struct Fp32Record {
   bool leaf = false;
 };
 
-// Record r at byte r * record_bytes. Throws UserError for record_bytes < 33.
-std::vector<std::byte> encode_fp32(const WideBvh& bvh, std::uint32_t record_bytes);
-Fp32Record decode_fp32(std::span<const std::byte> bytes, std::uint32_t record_bytes,
-                       std::uint32_t record);
+struct Fp32Layout {
+  std::vector<std::byte> bytes;
+  std::vector<std::uint64_t> offset;  // per record
+};
+
+// Records breadth first, the root at 0; every sibling range starts at a multiple of `alignment`. A
+// tree that is one leaf has no records. Throws UserError for record_bytes < 33 or a tree beyond the
+// 4 GiB that a 4-byte offset reaches.
+Fp32Layout encode_fp32(const WideBvh& bvh, std::uint32_t record_bytes, std::uint32_t alignment,
+                       const std::string& what);
+Fp32Record decode_fp32(std::span<const std::byte> bytes, std::uint64_t offset);
 
 }  // namespace a2rt::bvh

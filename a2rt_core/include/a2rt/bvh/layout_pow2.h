@@ -15,7 +15,7 @@
 //   multi-leaf node: corner 12 (FP32) | exponents 3 | children 1 | first triangle 4 |
 //   per child: planes 6 (x lo, y lo, z lo, x hi, y hi, z hi), triangles 1
 //   = 20 + 7 per child. The leaves' triangles are contiguous, so one base and the counts do.
-// Exponents are stored as e + 128 in eight bits; their range is pow2_frame.h's.
+// Exponents are stored as e + 127 in eight bits, FP32's exponent byte (pow2_frame.h).
 #pragma once
 
 #include <cstddef>

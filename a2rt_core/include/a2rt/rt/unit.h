@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "a2rt/base/registry.h"
+#include "a2rt/base/units.h"
 #include "a2rt/rt/event.h"
 #include "a2rt/workload/workload.h"
 
@@ -52,6 +54,15 @@ struct Audit {
   std::uint64_t missed_hits = 0;     // exact says hit, quantized says no
   std::uint64_t escapes = 0;
   std::uint64_t triangle_tests = 0;
+  // What made a quantized test miss, in words ("5-bit shift overflows"); sums to missed_hits.
+  std::map<std::string, std::uint64_t> missed_by_mechanism;
+};
+
+// A structure's place in the simulated GPU's memory.
+struct MemoryRegion {
+  std::string name;
+  Address base;
+  Bytes bytes;
 };
 
 // One ray as a unit sees it: the ray and the shaders' verdicts on its candidates.
@@ -70,6 +81,8 @@ class RtUnit {
   // encoder must refuse. The workload must outlive the unit.
   virtual void build(const Workload& workload) = 0;
   virtual StructureStats structure() const = 0;
+  // Where the structures lie in the simulated memory; empty before build().
+  virtual std::vector<MemoryRegion> regions() const { return {}; }
 
   // Closest hit of one ray (any hit if the flags say so).
   virtual Hit trace(const RayInput& input) const = 0;

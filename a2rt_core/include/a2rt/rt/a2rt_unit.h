@@ -1,0 +1,190 @@
+// The A2RT unit (see traversal.h for the parts of a Unit).
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+
+#include "a2rt/arith/qbox.h"
+#include "a2rt/arith/ray_quantizer.h"
+#include "a2rt/arith/slab.h"
+#include "a2rt/bvh/address_space.h"
+#include "a2rt/bvh/classify.h"
+#include "a2rt/bvh/layout_a2rt.h"
+#include "a2rt/rt/a2rt_tree.h"
+#include "a2rt/rt/event.h"
+#include "a2rt/rt/settings.h"
+#include "a2rt/rt/sinks.h"
+#include "a2rt/rt/unit.h"
+
+namespace a2rt::rt {
+
+class A2rtUnit {
+ public:
+  using Tree = A2rtTree;
+  using Key = float;  // lower bound of the entry distance, for groups and sub nodes alike
+  static constexpr bool kContexts = true;
+  struct Context {
+    arith::GroupRay ray;
+    std::uint32_t frame = 0;
+    bool escaped = false;
+  };
+  struct ContextRecord {
+    Address address;
+    std::uint64_t bytes;
+  };
+  struct Space {
+    Space(const A2rtUnit&, const Vec3& origin, const Vec3& dir, float tmin, const Tree& tree)
+        : slab(arith::make_slab_ray(origin, dir, tmin, tree.largest_coordinate())),
+          quantizer(arith::make_quantizer_ray(origin, dir)) {}
+    arith::SlabRay slab;
+    arith::QuantizerRay quantizer;
+  };
+
+  // `origin`: default of the knob precision.origin.
+  A2rtUnit(const config::Section& section, const std::string& name, const std::string& title,
+           arith::OriginDesign origin);
+
+  const UnitSettings& settings() const { return settings_; }
+  const UnitInfo& info() const { return info_; }
+  const arith::A2rtPrecision& precision() const { return quantizer_.precision(); }
+
+  A2rtTree encode(bvh::WideBvh& tree, const std::string& name, bvh::AddressSpace& space,
+                  StructureStats& stats) const;
+
+  // The root's own box is tested like any group's.
+  template <class Sink>
+  bool open_root(const Tree& tree, const Space& space, Context& context, float closest,
+                 Sink& sink) const {
+    sink.fetch(Traffic::kGroupNode, tree.base(), bvh::kA2rtGroupBytes);
+    sink.count(EventKind::kBoxTest, 1);
+    const arith::SlabHit entry = arith::slab_test(space.slab, tree.root_box(), closest);
+    if (entry.hit) {
+      enter(tree, space, context, tree.node(0).frame, entry.t_entry, sink);
+    }
+    return entry.hit;
+  }
+
+  // `key`: the group's entry, from the accurate test of its box. A group that waited on the stack
+  // has left the unit's registers, so its record is read again.
+  template <class Sink>
+  bool open(const Tree& tree, std::uint32_t index, const Space& space, Context& context, Key key,
+            bool fresh, float, Sink& sink) const {
+    const std::uint32_t frame = tree.node(index).frame;
+    if constexpr (Sink::kEmits) {
+      if (!fresh && refetch_group_) {
+        sink.fetch(Traffic::kGroupNode, tree.base() + Bytes{tree.frame(frame).offset},
+                   bvh::kA2rtGroupBytes);
+      }
+    }
+    enter(tree, space, context, frame, key, sink);
+    return true;
+  }
+
+  template <class Sink>
+  std::uint32_t test(const Tree& tree, std::uint32_t index, const Space& space, Context& context,
+                     float closest, Key* keys, Sink& sink) const {
+    const A2rtNode& node = tree.node(index);
+    if constexpr (Sink::kEmits || Sink::kAudits) {
+      emit_visit(tree, node, context, sink);
+    }
+    const std::uint32_t all = (1U << node.count) - 1;
+    const std::uint32_t groups = (1U << node.group_count) - 1;
+    std::uint32_t hit = 0;
+    if (groups != all) {
+      hit = context.escaped ? test_escaped(tree, node, space, context, closest, keys)
+                            : test_quantized(node, context, closest, keys);
+      hit &= all & ~groups;
+    }
+    if (groups != 0) {
+      float entry[bvh::kMaxWidth];
+      const std::uint32_t met =
+          arith::slab_test_block(space.slab, tree.group_boxes(node), closest, entry) & groups;
+      for (std::uint32_t s = 0; s < node.group_count; ++s) {
+        keys[s] = entry[s];
+      }
+      hit |= met;
+    }
+    if constexpr (Sink::kAudits) {
+      sink.decide(tree.exact_children(index), all & ~groups, hit, closest,
+                  [this](std::size_t) { return miss_mechanism(); });
+    }
+    return hit;
+  }
+
+  template <class Sink>
+  bool culled(const Tree&, const Space&, Key key, Context&, float closest, Sink&) const {
+    return key > closest;
+  }
+
+  ContextRecord context_record(const Tree& tree, const Context& context) const {
+    return {tree.base() + Bytes{tree.frame(context.frame).offset}, bvh::kA2rtGroupBytes};
+  }
+
+ private:
+  template <class Sink>
+  void enter(const Tree& tree, const Space& space, Context& context, std::uint32_t frame,
+             float t_entry, Sink& sink) const {
+    sink.count(EventKind::kQuantizeRay, 1);
+    context.frame = frame;
+    context.escaped = quantizer_.enter(space.quantizer, tree.frame(frame).frame, t_entry,
+                                       context.ray) == arith::GroupEntry::kEscaped;
+    context.ray.t_shift = t_entry;
+  }
+
+  template <class Sink>
+  void emit_visit(const Tree& tree, const A2rtNode& node, const Context& context,
+                  Sink& sink) const {
+    const Address at = tree.base() + Bytes{node.fetch_offset};
+    const std::uint64_t group_bytes = std::uint64_t{node.group_count} * bvh::kA2rtGroupBytes;
+    const std::uint32_t subs = std::uint32_t{node.count} - node.group_count;
+    if (node.group_count > 0) {
+      sink.fetch(Traffic::kGroupNode, at, group_bytes);
+      sink.count(EventKind::kBoxTest, node.group_count);
+    }
+    if (subs == 0) {
+      return;
+    }
+    sink.fetch(Traffic::kSubNode, at + Bytes{group_bytes}, std::uint64_t{subs} * sub_bytes_);
+    if (context.escaped) {
+      sink.count(EventKind::kEscape, subs);
+      sink.count(EventKind::kDequantize, subs);
+      sink.count(EventKind::kBoxTest, subs);
+    } else {
+      sink.count(EventKind::kQBoxTest, subs);
+    }
+  }
+
+  std::uint32_t test_quantized(const A2rtNode& node, const Context& context, float closest,
+                               Key* keys) const {
+    const float shift = context.ray.t_shift;
+    // Only without re-test on pop: the frame itself lies beyond the closest hit.
+    if (shift > closest) {
+      return 0;
+    }
+    float near[bvh::kMaxWidth];
+    const std::uint32_t hit =
+        tester_.test(context.ray, node.planes, quantizer_.remaining(closest, shift), near);
+    for (std::size_t s = 0; s < bvh::kMaxWidth; ++s) {
+      // Lower bound of shift + near in real numbers: the sum errs by half a unit in the last place.
+      const float sum = shift + near[s];
+      keys[s] = sum - std::fabs(sum) * 0x1p-23F;
+    }
+    return hit;
+  }
+
+  // The accurate units on boxes rebuilt in FP32: what an escaped pair costs and gets.
+  std::uint32_t test_escaped(const Tree& tree, const A2rtNode& node, const Space& space,
+                             const Context& context, float closest, Key* keys) const;
+  std::string miss_mechanism() const;
+
+  UnitInfo info_;
+  UnitSettings settings_;
+  bvh::ClassifyConfig classify_;
+  arith::RayQuantizer quantizer_;
+  arith::QBoxTester tester_;
+  std::uint32_t sub_bytes_;
+  bool refetch_group_;
+};
+
+}  // namespace a2rt::rt

@@ -1,0 +1,97 @@
+// Where a traversal's events go. The engine is a template on the sink, so that the plain traversal
+// pays for none of them.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "a2rt/arith/oracle.h"
+#include "a2rt/base/units.h"
+#include "a2rt/base/vec.h"
+#include "a2rt/bvh/wide_bvh.h"
+#include "a2rt/rt/event.h"
+#include "a2rt/rt/unit.h"
+
+namespace a2rt::rt {
+
+// No events, no audit: speed.
+struct NullSink {
+  static constexpr bool kEmits = false;
+  static constexpr bool kAudits = false;
+  void fetch(Traffic, Address, std::uint64_t) {}
+  void count(EventKind, std::size_t) {}
+  void context_pop(Address, std::uint64_t) {}
+};
+
+// Appends to a list, in program order.
+class EventSink {
+ public:
+  static constexpr bool kEmits = true;
+  static constexpr bool kAudits = false;
+  explicit EventSink(std::vector<Event>& events) : events_(events) {}
+
+  void fetch(Traffic traffic, Address address, std::uint64_t bytes) {
+    events_.push_back(
+        {EventKind::kFetch, traffic, 1, static_cast<std::uint32_t>(bytes), address.value});
+  }
+  void count(EventKind kind, std::size_t n) {
+    events_.push_back(
+        {kind, Traffic::kNone, static_cast<std::uint16_t>(std::min<std::size_t>(n, 0xffff)), 0, 0});
+  }
+  void context_pop(Address address, std::uint64_t bytes) {
+    events_.push_back({EventKind::kContextPop, Traffic::kNone, 1, static_cast<std::uint32_t>(bytes),
+                       address.value});
+  }
+
+ private:
+  std::vector<Event>& events_;
+};
+
+// Compares every decision about a quantized box with exact arithmetic on the original box.
+class AuditSink {
+ public:
+  static constexpr bool kEmits = false;
+  static constexpr bool kAudits = true;
+  explicit AuditSink(Audit& audit) : audit_(audit) {}
+
+  void fetch(Traffic, Address, std::uint64_t) {}
+  void context_pop(Address, std::uint64_t) {}
+  void count(EventKind kind, std::size_t n) {
+    audit_.box_tests += kind == EventKind::kBoxTest ? n : 0;
+    audit_.qbox_tests += kind == EventKind::kQBoxTest ? n : 0;
+    audit_.triangle_tests += kind == EventKind::kTriangleTest ? n : 0;
+    audit_.escapes += kind == EventKind::kEscape ? 1 : 0;
+  }
+
+  // The ray of the structure being traversed; the decisions that follow are about it.
+  void enter_space(const Vec3& origin, const Vec3& direction, float tmin) {
+    rays_.emplace_back(origin, direction, tmin);
+  }
+  void leave_space() { rays_.pop_back(); }
+  // `quantized`, `hit`: masks over the boxes. `explain(i)` names what made box i be missed.
+  template <class Explain>
+  void decide(std::span<const bvh::BvhRecord> boxes, std::uint32_t quantized, std::uint32_t hit,
+              float tmax, const Explain& explain) {
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      if ((quantized >> i & 1U) == 0) {
+        continue;
+      }
+      const bool exact = arith::ray_meets_box(rays_.back(), boxes[i].box, tmax);
+      const bool found = (hit >> i & 1U) != 0;
+      audit_.exact_hits += exact ? 1U : 0U;
+      audit_.redundant_hits += found && !exact ? 1U : 0U;
+      if (exact && !found) {
+        ++audit_.missed_hits;
+        ++audit_.missed_by_mechanism[explain(i)];
+      }
+    }
+  }
+
+ private:
+  Audit& audit_;
+  std::vector<arith::OracleRay> rays_;
+};
+
+}  // namespace a2rt::rt
