@@ -44,7 +44,39 @@ EntryPoint describe(const EntryDeclaration& declaration, const RayFeatures& feat
   entry.reports_intersection = features.reports_intersection;
   entry.ignores_intersection = features.ignores_intersection;
   entry.terminates_ray = features.terminates_ray;
+  entry.writes_state = features.writes_state;
   return entry;
+}
+
+std::array<std::uint32_t, 3> local_size(const Module& module, const ValueTracer& values,
+                                        Id function) {
+  std::array<std::uint32_t, 3> size{};
+  for (const Instruction& i : module.globals()) {
+    const bool is_mode = i.op() == Op::OpExecutionMode || i.op() == Op::OpExecutionModeId;
+    if (is_mode && i.operand_count() >= 5 && i.operand(0) == function) {
+      const auto mode = static_cast<spv::ExecutionMode>(i.operand(1));
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (mode == spv::ExecutionMode::LocalSize) {
+          size[axis] = i.operand(2 + axis);
+        } else if (mode == spv::ExecutionMode::LocalSizeId) {
+          size[axis] = values.constant(i.operand(2 + axis)).value_or(0);
+        }
+      }
+    }
+  }
+  // The decorated constant wins over the modes.
+  for (const Instruction& i : module.globals()) {
+    const bool is_decoration =
+        i.op() == Op::OpDecorate && i.operand_count() >= 3 &&
+        i.operand(1) == static_cast<std::uint32_t>(spv::Decoration::BuiltIn) &&
+        i.operand(2) == static_cast<std::uint32_t>(spv::BuiltIn::WorkgroupSize);
+    const Instruction* const constant = is_decoration ? module.definition(i.operand(0)) : nullptr;
+    for (std::size_t axis = 0; constant != nullptr && constant->operand_count() == 3 && axis < 3;
+         ++axis) {
+      size[axis] = values.constant(constant->operand(axis)).value_or(0);
+    }
+  }
+  return size;
 }
 
 TraceSite describe_site(const Instruction& trace, const ValueTracer& values, std::uint32_t number) {
@@ -112,6 +144,9 @@ Analysis analyse_module(const Module& module, const CallGraph& calls,
     EntryPoint entry = describe(declaration, calls.features(reached));
     for (const std::size_t f : reached) {
       entry.sites.insert(entry.sites.end(), sites_of[f].begin(), sites_of[f].end());
+    }
+    if (entry.stage == capture::Stage::kCompute) {
+      entry.local_size = local_size(module, values, declaration.function);
     }
     analysis.entry_points.push_back(std::move(entry));
   }

@@ -3,6 +3,38 @@
 #include <algorithm>
 
 namespace a2rt::spirv {
+namespace {
+
+// Storage that nothing but the invocation itself, or the hit it reports, can see.
+bool is_own(const Module& module, Id pointer) {
+  const Instruction* const type = module.definition(module.type_of(pointer));
+  if (type == nullptr || type->op() != spv::Op::OpTypePointer) {
+    return false;
+  }
+  const auto storage = static_cast<spv::StorageClass>(type->operand(0));
+  return storage == spv::StorageClass::Function || storage == spv::StorageClass::Private ||
+         storage == spv::StorageClass::HitAttributeKHR;
+}
+
+bool writes_beyond_itself(const Module& module, const Instruction& instruction) {
+  const spv::Op op = instruction.op();
+  switch (op) {
+    case spv::Op::OpStore:
+    case spv::Op::OpCopyMemory:
+    case spv::Op::OpCopyMemorySized:
+      return !is_own(module, instruction.operand(0));
+    case spv::Op::OpImageWrite:
+    case spv::Op::OpExecuteCallableKHR:
+    case spv::Op::OpAtomicFAddEXT:
+    case spv::Op::OpAtomicFMinEXT:
+    case spv::Op::OpAtomicFMaxEXT:
+      return true;
+    default:
+      return op >= spv::Op::OpAtomicStore && op <= spv::Op::OpAtomicXor;
+  }
+}
+
+}  // namespace
 
 void RayFeatures::include(const RayFeatures& other) {
   traces |= other.traces;
@@ -12,6 +44,7 @@ void RayFeatures::include(const RayFeatures& other) {
   reports_intersection |= other.reports_intersection;
   ignores_intersection |= other.ignores_intersection;
   terminates_ray |= other.terminates_ray;
+  writes_state |= other.writes_state;
 }
 
 std::vector<EntryDeclaration> entry_declarations(const Module& module) {
@@ -72,15 +105,16 @@ CallGraph::CallGraph(const Module& module) {
   }
   nodes_.resize(functions.size());
   for (std::size_t i = 0; i < functions.size(); ++i) {
-    scan(functions[i], nodes_[i]);
+    scan(module, functions[i], nodes_[i]);
   }
   spread_flushes();
 }
 
-void CallGraph::scan(const Function& function, Node& node) {
+void CallGraph::scan(const Module& module, const Function& function, Node& node) {
   using spv::Op;
   RayFeatures& f = node.features;
   for (const Instruction& instruction : function.code) {
+    f.writes_state = f.writes_state || writes_beyond_itself(module, instruction);
     switch (instruction.op()) {
       case Op::OpFunctionCall: {
         const auto callee = index_.find(instruction.operand(0));

@@ -21,6 +21,7 @@ struct RayFeatures {
   bool reports_intersection = false;
   bool ignores_intersection = false;
   bool terminates_ray = false;
+  bool writes_state = false;  // stores beyond its own variables
 
   void include(const RayFeatures& other);
 };
@@ -57,7 +58,7 @@ class CallGraph {
     RayFeatures features;
     bool may_flush = false;
   };
-  void scan(const Function& function, Node& node);
+  void scan(const Module& module, const Function& function, Node& node);
   void spread_flushes();
 
   std::unordered_map<Id, std::size_t> index_;

@@ -10,6 +10,7 @@
 // right shader. Inserted code has no control flow of its own.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -79,6 +80,13 @@ struct EntryPoint {
   bool reports_intersection = false;
   bool ignores_intersection = false;  // OpIgnoreIntersectionKHR is reachable
   bool terminates_ray = false;        // OpTerminateRayKHR is reachable
+  // It stores to, or changes atomically, anything but its own function-local, private and
+  // hit-attribute variables. The result of an any-hit shader that does may depend on the order in
+  // which candidates are found.
+  bool writes_state = false;
+  // Workgroup size of a compute shader; 0 where it depends on a specialization constant that is not
+  // known (see `analyse`), and for other stages.
+  std::array<std::uint32_t, 3> local_size{};
 };
 
 // What a module does with rays.

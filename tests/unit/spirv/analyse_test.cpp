@@ -63,6 +63,29 @@ TEST(Analyse, SpecializationDecidesFlags) {
   EXPECT_EQ(instrument(words, {}).analysis.sites.at(0).ray_flags, std::nullopt);
 }
 
+TEST(Analyse, KnowsTheWorkgroupSize) {
+  using Size = std::array<std::uint32_t, 3>;
+  EXPECT_EQ(analyse(module_named("query.comp.v12")).entry_points[0].local_size, (Size{8, 4, 1}));
+  EXPECT_EQ(analyse(module_named("shared.asm")).entry_points[2].local_size, (Size{4, 2, 1}));
+  EXPECT_EQ(analyse(module_named("raygen.rgen.v12")).entry_points[0].local_size, (Size{0, 0, 0}));
+  for (const std::string variant : {"v12", "v13"}) {  // WorkgroupSize and LocalSizeId
+    const auto& words = module_named("query_sized.comp." + variant);
+    const Specialization given[] = {{0, 16}, {1, 2}};
+    EXPECT_EQ(analyse(words, given).entry_points[0].local_size, (Size{16, 2, 1})) << variant;
+    EXPECT_EQ(instrument(words, {}).analysis.entry_points[0].local_size[0], 0u) << variant;
+  }
+}
+
+TEST(Analyse, TellsWhichShadersChangeWhatOthersSee) {
+  const auto writes = [](const std::string& name) {
+    return analyse(module_named(name)).entry_points.at(0).writes_state;
+  };
+  EXPECT_TRUE(writes("alpha.rahit.v12"));  // its payload
+  EXPECT_FALSE(writes("mask.rahit.v12"));
+  EXPECT_FALSE(writes("sphere.rint.v12"));  // hit attributes only
+  EXPECT_TRUE(writes("query_sized.comp.v12"));
+}
+
 TEST(Analyse, SaysThatAStructureComesFromAnAddress) {
   EXPECT_EQ(analyse(module_named("query_sized.comp.v12")).sites.at(0).structure.kind,
             StructureSource::Kind::kAddress);
