@@ -28,8 +28,12 @@ enum RayFlag : std::uint32_t {
   kRayCullOpaque = 0x40,
   kRayCullNoOpaque = 0x80,
   kRaySkipTriangles = 0x100,
-  kRaySkipAabbs = 0x200
+  kRaySkipAabbs = 0x200,
+  // Not Vulkan's, set by the importer:
+  kRayQuery = 0x40000000,      // OpRayQuery*; a candidate that no verdict names is not a hit
+  kRayOverridden = 0x80000000  // a verdict was applied: the driver's hit is the unit's
 };
+inline constexpr std::uint32_t kVulkanRayFlags = 0xffff;
 
 // Vulkan instance flags (VkGeometryInstanceFlagsKHR).
 enum InstanceFlag : std::uint32_t {
