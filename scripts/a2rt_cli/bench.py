@@ -13,8 +13,10 @@ from a2rt_cli import console, formats
 from a2rt_cli.engine import capture, core, renderer
 from a2rt_cli.engine.renderer import RenderOptions
 from a2rt_cli.engine.scenes import Scene
-from a2rt_cli.errors import UserError
 from a2rt_cli.files import read_json
+
+# Frames drawn in each run; their median is one measurement.
+FRAMES = 3
 
 
 def machine() -> dict[str, Any]:
@@ -28,24 +30,22 @@ def machine() -> dict[str, Any]:
     }
 
 
-def _frame_seconds(scene: Scene, options: RenderOptions, scratch: Path, captured: bool) -> float:
+def _frame_seconds(
+    scene: Scene, options: RenderOptions, scratch: Path, frames: int, captured: bool
+) -> float:
     """Median frame time of one run of the program, as the program itself reports it."""
-    raw = scratch / "raw"
-    timing = scratch / "timing.json"
+    raw, numbers = scratch / "raw", scratch / "statistics.json"
     raw.mkdir(exist_ok=True)
     renderer.render(
         scene,
         options,
         scratch / "picture.png",
         capture=raw if captured else None,
-        extra=["--timing", str(timing)],
+        extra=["--timing", str(frames), "--json", str(numbers)],
     )
     for file in raw.glob("*"):
         file.unlink()
-    frames = read_json(timing)["frame_ms"]
-    if not frames:
-        raise UserError("a2rt-render reported no frame time", "please report this")
-    return statistics.median(frames) / 1000
+    return float(read_json(numbers)["seconds"]["median_frame"])
 
 
 def layer_overhead(
@@ -62,8 +62,8 @@ def layer_overhead(
             renderer.scratch(Path.cwd() / "out" / "bench") as scratch,
         ):
             for index in range(pairs):
-                plain.append(_frame_seconds(scene, options, scratch, captured=False))
-                full.append(_frame_seconds(scene, options, scratch, captured=True))
+                plain.append(_frame_seconds(scene, options, scratch, FRAMES, captured=False))
+                full.append(_frame_seconds(scene, options, scratch, FRAMES, captured=True))
                 ratios.append(full[-1] / plain[-1])
                 shown.update((index + 1) / pairs)
         rows.append(
@@ -122,9 +122,9 @@ def print_units(rows: Sequence[dict[str, Any]]) -> None:
             table.append(
                 (
                     row["scene"],
-                    unit["name"],
+                    unit["unit"],
                     formats.count(unit.get("rays_per_second")),
-                    formats.factor(unit.get("vs_embree")),
+                    formats.factor(unit.get("ratio_to_embree")),
                 )
             )
     print(console.table(("scene", "unit", "rays/s", "of Embree"), table, left=2))

@@ -8,7 +8,6 @@ from __future__ import annotations
 import contextlib
 import csv
 import io
-import shutil
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, replace
@@ -124,9 +123,7 @@ def _compare(
     pictures = out / "pictures"
     for one in captured:
         if one.picture is not None:
-            target = pictures / f"{one.name}.driver.png"
-            target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(one.picture, target)
+            runs.driver_picture(one, pictures)
     jobs = jobs_of(captured, specs, out / ".cache" / "runs")
     found = run_all(jobs, pictures, parallel)
     for result in found:

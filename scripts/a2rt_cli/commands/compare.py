@@ -16,7 +16,7 @@ from a2rt_cli.setup.needs import Need
 EXAMPLES = """  scripts/a2rt compare cornell forest
   scripts/a2rt compare scene.glb --workload ao --size 256x256 -o out/ao
   scripts/a2rt compare w.h5 --units baseline,a2rt,cwbvh --gpu table1
-  scripts/a2rt compare cornell --units a2rt --set box_bits=6 --audit 100000
+  scripts/a2rt compare cornell --units a2rt --set precision.box_bits=6 --audit 100000
 """
 NEED = Need.ENGINE
 

@@ -10,7 +10,7 @@ from a2rt_cli.setup.needs import Need
 
 EXAMPLES = """  scripts/a2rt simulate w.h5 --unit a2rt
   scripts/a2rt simulate w.h5 --unit aqb8 --gpu table1 -o aqb8.json
-  scripts/a2rt simulate w.h5 --unit a2rt --set box_bits=6 -o six.json
+  scripts/a2rt simulate w.h5 --unit a2rt --set precision.box_bits=6 -o six.json
 """
 NEED = Need.ENGINE
 

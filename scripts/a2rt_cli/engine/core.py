@@ -88,6 +88,16 @@ def bench_units(workload: Path, target: Path, shown: console.Step | None = None)
     return read_result(target)
 
 
+def direction_map(
+    units: Sequence[str], bins: int, pairs: int, target: Path, shown: console.Step | None = None
+) -> dict[str, Any]:
+    """Wrong box decisions by direction, against exact arithmetic; scene-independent."""
+    words: list[str | Path] = ["direction-map", "--units", ",".join(units), "--bins", str(bins)]
+    with replacing(target) as temporary:
+        _call([*words, "--pairs", str(pairs), "-o", temporary], "testing directions", shown)
+    return read_result(target)
+
+
 def subcommands() -> frozenset[str]:
     """What this build of a2rt-core can do."""
     lines = _call(["--help"], "asking a2rt-core for its commands")

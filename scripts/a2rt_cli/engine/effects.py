@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -19,19 +18,23 @@ from a2rt_cli.errors import UserError
 
 def of_scene(scene: scenes.Scene, options: RenderOptions) -> dict[str, Any]:
     """Decided from the scene and the workload alone; nothing is drawn."""
-    with tempfile.TemporaryDirectory(prefix="a2rt-") as scratch:
-        target = Path(scratch) / "effects.json"
-        command = [programs.program("a2rt-render"), scene.argument, *options.arguments()]
-        programs.call(
-            [*command, "--effects-json", target],
-            what=f"analysing {scene.name}",
-            log=programs.log_file(f"effects-{scene.name}-{os.getpid()}"),
-            env=programs.lavapipe(),
-        )
-        try:
-            return json.loads(target.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise UserError(f"{scene.name}: no effect table was written ({error})") from error
+    command = [programs.program("a2rt-render"), scene.argument, *options.arguments()]
+    lines = programs.call(
+        [*command, "--list-effects"],
+        what=f"analysing {scene.name}",
+        log=programs.log_file(f"effects-{scene.name}-{os.getpid()}"),
+        env=programs.lavapipe(),
+    )
+    text = "\n".join(lines)
+    try:
+        found = json.loads(text[text.index("{") : text.rindex("}") + 1])
+    except ValueError as error:
+        raise UserError(f"{scene.name}: a2rt-render printed no effect table ({error})") from error
+    return {"effects": [_entry(name, entry) for name, entry in found.items()]}
+
+
+def _entry(name: str, entry: dict[str, Any]) -> dict[str, Any]:
+    return {"name": name, "why": entry.get("left_out_because", ""), **entry}
 
 
 def of_workload(path: Path) -> dict[str, Any]:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import json
+import shutil
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from a2rt_cli.engine import core, pictures, programs, verdict_loop
 from a2rt_cli.engine.capture import Captured
-from a2rt_cli.files import hash_file, hash_values, write_json
+from a2rt_cli.files import hash_file, hash_values, replacing, write_json
 
 SCHEMA_VERSION = 1
 # Rays compared with exact arithmetic per run unless asked otherwise; spread over the whole frame.
@@ -95,14 +96,18 @@ def merge(functional: dict[str, Any], timed: dict[str, Any] | None) -> dict[str,
 
 def execute(captured: Captured, spec: RunSpec, target: Path, pictures_to: Path) -> dict[str, Any]:
     """Runs `spec` and writes its result to `target`, whole or not at all."""
-    stem = f"{captured.name}.{target.stem}"
-    with tempfile.TemporaryDirectory(prefix=".run-", dir=_made(target.parent)) as scratch:
+    drawn = spec.picture and captured.picture is not None
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".run-", dir=target.parent) as folder:
+        scratch = Path(folder)
+        verdicts = scratch / "first.a2rv" if drawn else None
         functional = core.trace(
             captured.file,
             spec.unit,
-            Path(scratch) / "trace.json",
+            scratch / "trace.json",
             overrides=spec.overrides,
             audit=spec.audit,
+            verdicts=verdicts,
         )
         timed = None
         if spec.gpu is not None:
@@ -110,41 +115,57 @@ def execute(captured: Captured, spec: RunSpec, target: Path, pictures_to: Path) 
                 captured.file,
                 spec.unit,
                 spec.gpu,
-                Path(scratch) / "time.json",
+                scratch / "time.json",
                 overrides=spec.overrides,
                 extra=spec.extra,
             )
-    result = merge(functional, timed)
+        result = merge(functional, timed)
+        if verdicts is not None:
+            first = verdict_loop.of_trace(functional, verdicts)
+            stem = f"{captured.name}.{target.stem}"
+            result["picture"] = _draw(captured, spec, first, pictures_to, stem)
     workload = result.setdefault("workload", {})
     workload["name"] = captured.name
     if captured.options is not None:
         workload["options"] = captured.options.as_dict()
     result.setdefault("provenance", {})["workload_key"] = captured.key
     result["label"] = spec.label()
-    if spec.picture and captured.picture is not None:
-        result["picture"] = _draw(captured, spec, pictures_to, stem)
     write_json(target, result)
     return result
 
 
-def _made(folder: Path) -> Path:
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder
-
-
-def _draw(captured: Captured, spec: RunSpec, folder: Path, stem: str) -> dict[str, Any]:
+def driver_picture(captured: Captured, folder: Path) -> Path:
+    """The driver's picture among the results; its name is known to the report."""
+    target = folder / f"{captured.name}.driver.png"
     assert captured.picture is not None
+    with replacing(target) as temporary:
+        shutil.copyfile(captured.picture, temporary)
+    return target
+
+
+def _draw(
+    captured: Captured, spec: RunSpec, first: verdict_loop.Verdicts, folder: Path, stem: str
+) -> dict[str, Any]:
+    """What the unit would draw. A unit that changes no ray draws the driver's picture."""
+    driver = driver_picture(captured, folder)
+    if first.entries == 0:
+        same = pictures.compare(driver, driver)
+        outcome = verdict_loop.Outcome(1, True, 0)
+        return {"file": f"{folder.name}/{driver.name}", **asdict(outcome), **same.as_dict()}
     target, difference = folder / f"{stem}.png", folder / f"{stem}.difference.png"
     outcome = verdict_loop.draw(
-        captured, spec.unit, target, overrides=spec.overrides, max_passes=spec.max_passes
+        captured,
+        spec.unit,
+        target,
+        first=first,
+        overrides=spec.overrides,
+        max_passes=spec.max_passes,
     )
-    measured = pictures.compare(captured.picture, target)
-    pictures.draw_difference(captured.picture, target, difference)
+    measured = pictures.compare(driver, target)
+    pictures.draw_difference(driver, target, difference)
     return {
         "file": f"{folder.name}/{target.name}",
         "difference": f"{folder.name}/{difference.name}",
-        "passes": outcome.passes,
-        "converged": outcome.converged,
-        "overridden_rays": outcome.overridden_rays,
+        **asdict(outcome),
         **measured.as_dict(),
     }

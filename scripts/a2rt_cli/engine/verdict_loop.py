@@ -28,8 +28,16 @@ class Outcome:
     overridden_rays: int
 
 
-def _entries(result: dict) -> int:
-    return int(result.get("verdicts", {}).get("entries", 0))
+@dataclass(frozen=True)
+class Verdicts:
+    """What one trace asks to change: the verdict file and how many rays it overrides."""
+
+    file: Path
+    entries: int
+
+
+def of_trace(result: dict, file: Path) -> Verdicts:
+    return Verdicts(file, int(result.get("verdicts", {}).get("entries", 0)))
 
 
 def draw(
@@ -37,55 +45,61 @@ def draw(
     unit: str,
     target: Path,
     *,
+    first: Verdicts | None = None,
     overrides: tuple[str, ...] = (),
     max_passes: int = DEFAULT_PASSES,
     shown: console.Step | None = None,
 ) -> Outcome:
-    """Writes the picture that `unit` would draw of a captured scene into `target`."""
+    """Writes the picture that `unit` would draw of a captured scene into `target`.
+
+    `first` are the verdicts on the capture itself, if a trace has them already.
+    """
     if captured.scene is None or captured.options is None or captured.picture is None:
         raise UserError(
             "a picture needs the program that made the capture",
             "name a scene instead of a workload file",
         )
     with renderer.scratch(target.parent) as scratch:
-        verdicts, previous = scratch / "new.a2rv", scratch / "old.a2rv"
-        trace_to = scratch / "trace.json"
 
-        def trace(workload: Path, before: Path | None) -> int:
+        def trace(workload: Path, before: Path | None, passes: int) -> Verdicts:
+            file = scratch / f"{passes}.a2rv"
             result = core.trace(
                 workload,
                 unit,
-                trace_to,
+                scratch / "trace.json",
                 overrides=overrides,
-                verdicts=verdicts,
+                audit=0,
+                verdicts=file,
                 previous=before,
                 shown=shown,
             )
-            return _entries(result)
+            return of_trace(result, file)
 
         picture = captured.picture
-        overridden = trace(captured.file, None)
-        passes, converged = 1, overridden == 0
+        current = first or trace(captured.file, None, 0)
+        passes, converged = 1, current.entries == 0
         while not converged and passes < max_passes:
-            verdicts.replace(previous)
+            previous = current
             if shown is not None:
-                shown.update(None, f"{unit}: pass {passes + 1}, {overridden} rays overridden")
-            raw, workload = scratch / "raw", scratch / "pass.h5"
-            shutil.rmtree(raw, ignore_errors=True)
-            raw.mkdir()
+                shown.update(None, f"{unit}: pass {passes + 1}, {previous.entries} rays overridden")
             picture = scratch / "picture.png"
-            renderer.render(
-                captured.scene, captured.options, picture, capture=raw, verdicts=previous
-            )
-            core.import_capture(
-                raw,
-                workload,
-                scene=captured.scene.name,
-                workload=captured.options.workload,
-            )
-            overridden = trace(workload, previous)
+            workload = _run_again(captured, previous.file, picture, scratch)
+            current = trace(workload, previous.file, passes)
             passes += 1
-            converged = filecmp.cmp(verdicts, previous, shallow=False)
+            converged = filecmp.cmp(current.file, previous.file, shallow=False)
         with replacing(target) as temporary:
             shutil.copyfile(picture, temporary)
-    return Outcome(passes, converged, overridden)
+    return Outcome(passes, converged, current.entries)
+
+
+def _run_again(captured: Captured, verdicts: Path, picture: Path, scratch: Path) -> Path:
+    """Draws and captures the scene under `verdicts`; returns the workload file."""
+    assert captured.scene is not None and captured.options is not None
+    raw, workload = scratch / "raw", scratch / "pass.h5"
+    shutil.rmtree(raw, ignore_errors=True)
+    raw.mkdir()
+    renderer.render(captured.scene, captured.options, picture, capture=raw, verdicts=verdicts)
+    core.import_capture(
+        raw, workload, scene=captured.scene.name, workload=captured.options.workload
+    )
+    return workload

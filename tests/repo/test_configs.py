@@ -1,0 +1,76 @@
+"""Configuration files: all parse, every unit is tested, every figure has its experiment."""
+
+from __future__ import annotations
+
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+from a2rt_cli import experiment, figures
+from a2rt_cli.errors import UserError
+from a2rt_cli.paths import CONFIGS, ROOT
+from a2rt_cli.report import measures
+from a2rt_cli.setup import build
+
+ALL = sorted(CONFIGS.rglob("*.toml"))
+EXPERIMENTS = sorted((CONFIGS / "experiments").glob("*.toml"))
+
+
+@pytest.mark.parametrize("path", ALL, ids=lambda p: str(p.relative_to(CONFIGS)))
+def test_every_configuration_is_toml(path: Path):
+    tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("path", EXPERIMENTS, ids=lambda p: p.stem)
+def test_every_experiment_loads_and_names_known_units(path: Path):
+    loaded = experiment.load(path)
+    known = {p.stem for p in (CONFIGS / "units").glob("*.toml")}
+    named = set(loaded.units) | {knob.unit for knob in loaded.knobs}
+    assert named <= known
+
+
+def test_every_figure_has_its_experiment():
+    assert set(figures.names()) <= {path.stem for path in EXPERIMENTS}
+
+
+def test_every_unit_has_a_test():
+    tests = [*(ROOT / "tests").rglob("*.cpp"), *(ROOT / "tests").rglob("*.py")]
+    text = "\n".join(path.read_text(encoding="utf-8") for path in tests)
+    for path in (CONFIGS / "units").glob("*.toml"):
+        assert f'"{path.stem}"' in text, f"no test names the unit {path.stem}"
+
+
+def test_every_unit_configuration_belongs_to_a_registered_unit():
+    core = build.find_program("a2rt-core")
+    if core is None:
+        pytest.skip("a2rt-core is not built")
+    reply = subprocess.run([core, "units"], capture_output=True, text=True, check=False)
+    if reply.returncode != 0:
+        pytest.skip("this a2rt-core does not list its units")
+    for path in (CONFIGS / "units").glob("*.toml"):
+        assert path.stem in reply.stdout
+
+
+def test_every_number_of_the_paper_has_a_known_measure_and_a_source():
+    numbers = measures.paper_numbers()
+    assert numbers
+    for number in numbers:
+        assert number.source
+        assert not number.ours or number.ours in measures.MEASURES
+        assert number.paper_text()
+
+
+def test_a_misspelt_key_of_an_experiment_is_refused_with_its_place(tmp_path):
+    path = tmp_path / "bad.toml"
+    path.write_text('title = "x"\nscenes = ["cornell"]\nsizes = [3, 4]\n', encoding="utf-8")
+    with pytest.raises(UserError, match=r"bad\.toml:3:1: unknown key sizes"):
+        experiment.load(path)
+
+
+def test_a_misspelt_key_of_a_knob_is_refused_with_its_place(tmp_path):
+    path = tmp_path / "bad.toml"
+    knob = '[[knob]]\ntitle = "t"\nkey = "k"\nvalues = [1]\ndefault = 1\n  unti = "a2rt"\n'
+    path.write_text(f'title = "x"\nscenes = ["cornell"]\n{knob}', encoding="utf-8")
+    with pytest.raises(UserError, match=r"bad\.toml:8:3: unknown key knob.unti"):
+        experiment.load(path)

@@ -1,0 +1,86 @@
+"""Set-up: package sources are derived from the system's own, in both of apt's styles."""
+
+from __future__ import annotations
+
+import pytest
+from a2rt_cli.errors import UserError
+from a2rt_cli.paths import SCRIPTS
+from a2rt_cli.setup import debian
+
+DEB822 = """# a comment
+Types: deb deb-src
+URIs: http://mirror.example/debian
+Suites: bookworm bookworm-updates
+Components: main contrib
+Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg
+
+Types: deb
+URIs: http://mirror.example/debian-security
+Suites: bookworm-security
+Components: main
+"""
+ONE_LINE = """# a comment
+deb [arch=amd64 signed-by=/etc/key.gpg] http://mirror.example/debian bookworm main contrib
+deb-src http://mirror.example/debian bookworm main
+"""
+
+
+def test_backports_are_derived_from_a_deb822_source():
+    stanza = debian.backports_stanza(debian.parse_deb822(DEB822), "bookworm")
+    assert stanza == (
+        "Types: deb\nURIs: http://mirror.example/debian\nSuites: bookworm-backports\n"
+        "Components: main\nSigned-By: /usr/share/keyrings/debian-archive-keyring.gpg\n"
+    )
+
+
+def test_backports_are_derived_from_a_one_line_source():
+    stanza = debian.backports_stanza(debian.parse_one_line(ONE_LINE), "bookworm")
+    assert "URIs: http://mirror.example/debian\n" in stanza
+    assert "Signed-By: /etc/key.gpg\n" in stanza
+
+
+def test_no_source_is_added_where_backports_are_there_already():
+    text = DEB822.replace("bookworm-updates", "bookworm-backports")
+    assert debian.backports_stanza(debian.parse_deb822(text), "bookworm") is None
+
+
+def test_a_disabled_source_does_not_count():
+    text = DEB822.replace("Types: deb deb-src", "Enabled: no\nTypes: deb")
+    with pytest.raises(UserError, match="no apt source offers bookworm main"):
+        debian.backports_stanza(debian.parse_deb822(text), "bookworm")
+
+
+@pytest.mark.parametrize(
+    ("version", "least", "enough"),
+    [
+        ("25.0.7-2~bpo12+1", "25.0", True),
+        ("22.3.6-1+deb12u1", "25.0", False),
+        ("1:25.0-1", "25.0", True),
+        ("24.9.9-1", "25.0", False),
+    ],
+)
+def test_versions_are_compared_by_their_upstream_part(version, least, enough):
+    assert debian.upstream_at_least(version, least) is enough
+
+
+def test_only_the_driver_comes_from_backports():
+    packages = debian.wanted_packages()
+    assert [package.name for package in packages if package.backports] == ["mesa-vulkan-drivers"]
+    names = [package.name for package in packages]
+    assert names == list(dict.fromkeys(names))
+
+
+def test_install_commands_name_the_suite_only_for_the_driver():
+    packages = [debian.Package("cmake"), debian.Package("mesa-vulkan-drivers", "25.0", True)]
+    plain, ported = debian.install_commands(packages, "bookworm-backports")
+    assert plain[-1] == "cmake" and "-t" not in plain
+    assert ported[-3:] == ["-t", "bookworm-backports", "mesa-vulkan-drivers"]
+    (everything,) = debian.install_commands(packages, None)
+    assert everything[-2:] == ["cmake", "mesa-vulkan-drivers"]
+
+
+@pytest.mark.parametrize("path", sorted(SCRIPTS.glob("requirements*.txt")), ids=lambda p: p.name)
+def test_every_python_package_is_pinned_to_one_version(path):
+    lines = [line.split("#")[0].strip() for line in path.read_text(encoding="utf-8").splitlines()]
+    loose = [line for line in lines if line and "==" not in line]
+    assert not loose
