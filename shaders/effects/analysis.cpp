@@ -161,7 +161,8 @@ void light_calls(Calls& calls, const Scene& scene, const workloads::WorkloadConf
     calls.add(light.radius > 0 ? gpu::kEffectSoftShadow : gpu::kEffectShadow,
               "light " + light.name);
   }
-  if (workload.shadow_rays > 0 && !any) {
+  const bool other_light = any || samples_emitters(scene, workload);
+  if (workload.sun && !other_light) {
     calls.add(gpu::kEffectShadow, "workload " + workload.name + " (sun from above)");
   }
   if (workload.ao_rays > 0) {
@@ -190,13 +191,27 @@ bool has_holes(const Scene& scene, const Material& material) {
   return material.alpha_mode == scene::AlphaMode::kMask ? least < material.alpha_cutoff : least < 1;
 }
 
+bool samples_emitters(const Scene& scene, const workloads::WorkloadConfig& workload) {
+  if (!workload.light_sampling || (scene.lumibench && workload.shadow_rays > 0)) {
+    return false;
+  }
+  const std::vector<bool> used = used_materials(scene);
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (used[i] && scene.materials[i].emission != glm::vec3(0)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 std::vector<Call> analyse(const Scene& scene, const workloads::WorkloadConfig& workload) {
   Calls found;
   const std::vector<bool> used = used_materials(scene);
+  const bool emitters = samples_emitters(scene, workload);
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     if (used[i]) {
       material_calls(found, scene, scene.materials[i]);
-      if (workload.light_sampling && scene.materials[i].emission != glm::vec3(0)) {
+      if (emitters && scene.materials[i].emission != glm::vec3(0)) {
         found.add(gpu::kEffectSoftShadow, "material " + scene.materials[i].name);
       }
     }

@@ -24,6 +24,10 @@ std::vector<Call> analyse(const scene::Scene& scene, const workloads::WorkloadCo
 // True if some of its triangles' coverage is below what the alpha mode lets through.
 bool has_holes(const scene::Scene& scene, const scene::Material& material);
 
+// True if shadow rays go to points on emitting triangles. LumiBench's shadow workload aims at a sun
+// instead, so its scenes do not.
+bool samples_emitters(const scene::Scene& scene, const workloads::WorkloadConfig& workload);
+
 // What is compiled and traced.
 struct Choice {
   std::uint32_t built = 0;           // effect bits

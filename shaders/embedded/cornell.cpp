@@ -36,7 +36,7 @@ scene::Scene make_cornell() {
   const auto mirror = add_material(s, scene::metal("mirror", {0.92F, 0.92F, 0.94F}, 0));
   const auto brushed = add_material(s, scene::metal("brushed gold", {0.9F, 0.68F, 0.32F}, 0.12F));
   const auto glass = add_material(s, scene::glass("glass", 1.5F));
-  const auto lamp = add_material(s, scene::emissive("lamp", {17, 13.5F, 9}));
+  const auto lamp = add_material(s, scene::emissive("lamp", {7.2F, 6.0F, 4.4F}));
 
   Primitive shell = of(white);
   scene::add_quad(shell, {0, 0, kSide}, {kSide, 0, 0}, {0, 0, -kSide});    // floor
@@ -49,10 +49,10 @@ scene::Scene make_cornell() {
   place(s, "walls", {shell, left, right});
 
   Primitive panel = of(lamp);
-  scene::add_quad(panel, {2.05F, kSide - 0.01F, 2.15F}, {1.4F, 0, 0}, {0, 0, 1.2F});
+  scene::add_quad(panel, {1.65F, kSide - 0.01F, 1.75F}, {2.2F, 0, 0}, {0, 0, 2.0F});
   place(s, "lamp", {panel});
 
-  place(s, "mirror block", {block(mirror, {1.9F, 0, 1.8F}, {1.6F, 3.3F, 1.6F}, 18)});
+  place(s, "mirror block", {block(mirror, {1.9F, 0, 1.8F}, {1.5F, 3.3F, 1.5F}, 36)});
   place(s, "pedestal", {block(white, {3.75F, 0, 3.3F}, {1.55F, 0.8F, 1.55F}, -17)});
 
   Primitive ball = of(glass);

@@ -40,7 +40,8 @@ const uint kDimLens = 2;
 const uint kDimLobe = 4;
 const uint kDimScatter = 6;
 const uint kDimCoat = 8;
-const uint kDimLight = 16;  // + 4 per shadow ray
+const uint kDimLight = 16;  // 2 per light or shadow ray
+const uint kDimOcclusion = 8192;
 
 uint hash(uint x) {
   x ^= x >> 16;

@@ -52,9 +52,8 @@ vec3 light_from(Light light, vec3 p, vec3 n, vec2 u) {
   return light.color * (strength * cosine / kPi);
 }
 
-// Irradiance over pi from one point on one emitting triangle, chosen by power.
-vec3 light_from_emitters(vec3 p, vec3 n, uint key) {
-  float choice = random(key, kDimLight);
+// The emitter that a number in [0, 1) picks, by power.
+uint pick_emitter(float choice) {
   uint lo = 0u;
   uint hi = frame.emitter_count - 1u;
   while (lo < hi) {
@@ -65,10 +64,18 @@ vec3 light_from_emitters(vec3 p, vec3 n, uint key) {
       hi = middle;
     }
   }
-  Emitter e = emitters[lo];
-  vec2 u = random2(key, kDimLight + 1u);
+  return lo;
+}
+vec3 point_on(Emitter e, vec2 u) {
   float root = sqrt(u.x);
-  vec3 target = e.origin + e.edge1 * (1.0 - root) + e.edge2 * (u.y * root);
+  return e.origin + e.edge1 * (1.0 - root) + e.edge2 * (u.y * root);
+}
+vec3 emitter_point(float choice, vec2 u) { return point_on(emitters[pick_emitter(choice)], u); }
+
+// Irradiance over pi from one point on one emitting triangle, chosen by power.
+vec3 light_from_emitters(vec3 p, vec3 n, uint key) {
+  Emitter e = emitters[pick_emitter(random(key, kDimLight))];
+  vec3 target = point_on(e, random2(key, kDimLight + 1u));
   vec3 towards = target - p;
   float d2 = dot(towards, towards);
   float distance_to = sqrt(d2);

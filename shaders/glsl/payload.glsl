@@ -17,4 +17,5 @@ struct PathPayload {
   uint material;
   vec3 normal;  // shading normal on the ray's side
   uint glass;   // 1: the surface transmits
+  vec3 base;    // colour of the surface before scattering
 };

@@ -113,11 +113,11 @@ void scatter_metal(Surface s, vec3 n, vec3 d, vec3 base, float fuzz, inout PathP
 // A smooth or rough dielectric: reflects or refracts, by the flip of a Fresnel-weighted coin.
 void scatter_glass(Surface s, vec3 n, vec3 d, vec3 base, Material m, bool front,
                    inout PathPayload p) {
-  p.glass = 1;
   if (!built(kEffectRefraction)) {
     scatter_diffuse(s, n, base, p);
     return;
   }
+  p.glass = 1;
   vec3 h = n;
   if (m.roughness > 0.0) {
     if (built(kEffectRough)) {
@@ -216,6 +216,7 @@ void scatter(Surface s, vec3 d, inout PathPayload p) {
   p.glass = 0;
   p.normal = n;
   p.emission = emitted(m, s.uv, front);
+  p.base = base;
   p.attenuation = base;
   p.lobe = kLobeNone;
   p.origin = leave_surface(s.position, front ? s.geometric_normal : -s.geometric_normal);

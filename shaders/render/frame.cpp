@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "a2rt/base/error.h"
+#include "effects/analysis.h"
 
 namespace a2rt::render {
 namespace {
@@ -79,7 +80,7 @@ gpu::Frame make_frame(const scene::Scene& scene, const scene::Camera& camera,
   frame.max_bounces = workload.max_bounces;
   frame.shadow_rays = workload.shadow_rays;
   frame.ao_rays = workload.ao_rays;
-  frame.light_sampling = workload.light_sampling ? 1 : 0;
+  frame.light_sampling = effects::samples_emitters(scene, workload) ? 1 : 0;
   frame.exposure = settings.exposure;
   return frame;
 }

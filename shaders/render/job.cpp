@@ -137,6 +137,11 @@ workloads::WorkloadConfig choose_workload(const scene::Scene& scene, const Optio
   w.max_bounces = options.max_bounces.value_or(w.max_bounces);
   w.shadow_rays = options.shadow_rays.value_or(w.shadow_rays);
   w.ao_rays = options.ao_rays.value_or(w.ao_rays);
+  if (w.recursion > 1 && w.max_bounces >= w.recursion) {
+    throw UserError("workload " + name + " nests its rays: at most " +
+                    std::to_string(w.recursion - 1) + " bounces, not " +
+                    std::to_string(w.max_bounces));
+  }
   return w;
 }
 

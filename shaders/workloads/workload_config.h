@@ -26,6 +26,7 @@ struct WorkloadConfig {
   double ao_lumibench = 10;
   double shadow_factor = 1, ao_factor = 1;
   bool light_sampling = false;   // emitters are sampled by shadow rays
+  bool sun = false;  // scenes without a light get a sun from a fixed direction
   bool opaque_geometry = true;   // false: every triangle is offered to the any-hit shader
   std::vector<std::string> effects;  // that the shaders can show, by name
   std::vector<std::string> rays;     // what is traced, in words

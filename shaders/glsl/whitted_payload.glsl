@@ -1,0 +1,6 @@
+// Payload of the recursive workload: each closest-hit call returns the light along its ray.
+struct WhittedPayload {
+  vec3 color;
+  uint depth;  // rays above this one
+  uint key;
+};
