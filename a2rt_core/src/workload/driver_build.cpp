@@ -39,7 +39,7 @@ class Builder {
       write(sizeof(Header), only);
     }
     const auto size = static_cast<std::uint32_t>(bytes_.size());
-    write(0, Header{bounds, size, size, 0, static_cast<std::uint32_t>(leaf_offset_)});
+    write(0, Header{bounds, size, 0, static_cast<std::uint32_t>(leaf_offset_), 0});
     return std::move(bytes_);
   }
   template <class Leaf>

@@ -20,7 +20,7 @@ inline constexpr std::uint32_t kStackEntries = 48;
 
 struct Header {
   Box bounds;
-  std::uint32_t compacted_size, serialization_size, instance_count, leaf_offset;
+  std::uint32_t serialization_size, instance_count, leaf_offset, padding;
 };
 struct BoxNode {
   Box bounds[2];
