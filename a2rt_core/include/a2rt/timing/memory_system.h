@@ -1,0 +1,92 @@
+// Everything below the L1s: crossbar, L2 slices, DRAM channels.
+//
+// The crossbar moves one sector per cycle into and out of every SM and every slice. A slice starts
+// one lookup per L2 cycle; a hit answers `latency` later, a miss reaches its DRAM channel
+// `extra_latency` after that. L2 writes back and allocates on write without fetching (stores and
+// spills are whole sectors).
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "a2rt/timing/calendar.h"
+#include "a2rt/timing/clock.h"
+#include "a2rt/timing/dram_channel.h"
+#include "a2rt/timing/memory_port.h"
+#include "a2rt/timing/tag_store.h"
+
+namespace a2rt::timing {
+
+class MemorySystem final : public Component, public LowerLevel, public DramChannel::Client {
+ public:
+  MemorySystem(const MachineConfig& config, Calendar& calendar);
+  void connect(std::uint32_t sm, SectorSink& sink) { sinks_.at(sm) = &sink; }
+
+  void request(Cycles leaves, std::uint32_t sm, Address sector, Traffic kind, bool write) override;
+
+  const CacheCounts& l2_counts() const { return l2_counts_; }
+  const TrafficCounts& dram_reads() const { return dram_reads_; }
+  const TrafficCounts& dram_writes() const { return dram_writes_; }
+  DramCounts dram_counts() const;
+  std::uint64_t crossbar_sectors() const { return crossbar_sectors_; }
+  std::uint64_t slice_busy_cycles() const { return slice_busy_; }
+  std::uint32_t slice_count() const { return static_cast<std::uint32_t>(slices_.size()); }
+
+  void wake(Cycles now, std::uint32_t what, std::uint32_t value) override;
+  std::string dump() const override;
+  void check_drained() const override;
+
+ private:
+  enum Wake : std::uint32_t { kAtSlice, kLookup, kAtDram, kWriteAtDram, kAtSm };
+  static constexpr std::uint32_t kNil = 0xffffffffu;
+  struct Request {
+    Address sector;
+    std::uint64_t local = 0;  // within the slice
+    std::uint32_t sm = 0, slice = 0, next = kNil;
+    Traffic kind = Traffic::kNone;
+    bool write = false, waited_for_mshr = false, refill = false;
+  };
+  struct Slice {
+    TagStore tags;
+    Cycles lookup_free;  // L2 clock
+    Cycles out_free;     // core clock
+    std::vector<std::uint32_t> mshrs;  // hash buckets of request indices, chained by `next`
+    std::uint32_t mshrs_used = 0;
+    std::deque<std::uint32_t> blocked;
+  };
+  std::uint32_t allocate();
+  void release(std::uint32_t index);
+  void lookup(Cycles now, std::uint32_t index);
+  void miss(Cycles now, std::uint32_t index);
+  void wake_blocked(Cycles now, Slice& slice);
+  void respond(Cycles ready, std::uint32_t index);
+  void insert(Cycles now, Slice& slice, std::uint32_t slice_index, std::uint64_t local, Traffic kind,
+              bool dirty);
+  std::uint64_t channel_local(std::uint32_t slice, std::uint64_t local) const;
+  void dram_done(Cycles now, std::uint32_t tag) override;
+  std::size_t bucket(std::uint64_t local) const {
+    return ((local / kSectorBytes) * 0x9e3779b97f4a7c15u) >> 56;
+  }
+
+  MachineConfig config_;
+  Calendar& calendar_;
+  ClockDomain l2_clock_;
+  std::vector<Slice> slices_;
+  std::vector<std::unique_ptr<DramChannel>> channels_;
+  std::vector<SectorSink*> sinks_;
+  std::vector<Cycles> sm_out_free_, sm_in_free_;
+  std::vector<Request> requests_;
+  // Who waits for a sector that is on its way, chained behind the request that fetches it.
+  std::vector<std::uint32_t> merged_;
+  std::uint32_t free_ = kNil;
+  std::uint64_t live_ = 0;
+  CacheCounts l2_counts_;
+  TrafficCounts dram_reads_{}, dram_writes_{};
+  std::uint64_t crossbar_sectors_ = 0;
+  std::uint64_t slice_busy_ = 0;
+};
+
+}  // namespace a2rt::timing

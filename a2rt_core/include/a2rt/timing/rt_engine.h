@@ -1,0 +1,174 @@
+// The RT unit of one SM in time: warp buffer, per-ray state machines, short stacks, finite testers,
+// one port to the L1.
+//
+// It replays the events of each ray. A fetch waits for all its sectors; a test waits for its
+// tester; stack and context entries beyond what is kept on chip cost stores and loads; a candidate
+// for an any-hit or intersection shader leaves for the SM and comes back.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "a2rt/timing/attribution.h"
+#include "a2rt/timing/budget.h"
+#include "a2rt/timing/calendar.h"
+#include "a2rt/timing/l1_cache.h"
+#include "a2rt/timing/machine_config.h"
+#include "a2rt/timing/ray_source.h"
+#include "a2rt/timing/request_table.h"
+#include "a2rt/timing/tester_pool.h"
+#include "a2rt/workload/workload.h"
+
+namespace a2rt::timing {
+
+inline constexpr std::uint32_t kLanes = 32;
+using LaneRays = std::array<std::uint32_t, kLanes>;  // ray index or kNone per lane
+
+// A candidate that a lane wants judged.
+struct CandidateJob {
+  std::uint32_t lane = 0;
+  std::uint32_t ordinal = 0;
+  bool intersection = false;
+};
+
+// What the SM does for its RT unit.
+class RtHost {
+ public:
+  virtual ~RtHost() = default;
+  // All rays of the warp are done; `ready` is when it can issue again.
+  virtual void rays_done(Cycles now, std::uint32_t warp, Cycles ready) = 0;
+  // A place in the warp buffer became free.
+  virtual void slot_free(Cycles now) = 0;
+  // Run the shaders for these candidates at `start` and answer with RtEngine::candidates_done.
+  virtual void judge(Cycles start, std::uint32_t warp, const std::vector<CandidateJob>& jobs) = 0;
+  // A ray took `cycles` from its start in the unit to its end.
+  virtual void ray_time(std::uint32_t ray, Cycles cycles) = 0;
+};
+
+struct RtCounts {
+  std::array<std::uint64_t, static_cast<std::size_t>(EventKind::kCount)> events{};
+  TrafficCounts fetches{}, fetch_bytes{}, sectors_wanted{};  // before merging
+  std::uint64_t rays = 0, warps = 0;
+  std::uint64_t sectors_sent = 0, stores_sent = 0;
+  std::uint64_t stack_spills = 0, stack_fills = 0;      // sectors
+  std::uint64_t context_spills = 0, context_fills = 0;  // contexts
+  std::uint64_t context_refetches = 0;
+  std::uint64_t round_trips = 0, candidates = 0;
+  std::array<std::uint64_t, static_cast<std::size_t>(LaneReason::kCount)> lane_cycles{};
+  std::uint64_t warp_cycles = 0;  // residence, summed over warps
+};
+
+class RtEngine final : public Component {
+ public:
+  RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& calendar, L1Cache& l1,
+           RaySource& source, RtHost& host);
+
+  bool has_room() const { return resident_ < slots_.size(); }
+  // Takes a warp; throws InternalError if there is no room.
+  void accept(Cycles now, std::uint32_t warp, const LaneRays& rays);
+  void candidates_done(Cycles now, std::uint32_t warp);
+
+  void finish(Cycles end);  // closes the books
+  const RtCounts& counts() const { return counts_; }
+  const Attribution<RtReason>& attribution() const { return attribution_; }
+  const TesterPool& pool(Tester t) const { return pools_[static_cast<std::size_t>(t)]; }
+  const BinnedSeries& occupancy() const { return occupancy_; }
+  const BinnedSeries& active_lanes() const { return active_series_; }
+
+  void wake(Cycles now, std::uint32_t what, std::uint32_t value) override;
+  std::string dump() const override;
+  void check_drained() const override;
+
+ private:
+  // Beyond L1Wake's values.
+  enum Wake : std::uint32_t { kLane = 16, kPort };
+  enum class LaneState : std::uint8_t { kNone, kFetch, kTest, kCandidate, kAtShader, kDone };
+  struct Step {
+    Tester tester = Tester::kBox;
+    std::uint32_t count = 0;
+  };
+  struct Lane {
+    Cycles since, started;
+    std::uint32_t ray = kNone;
+    std::uint32_t cursor = 0;
+    std::uint32_t missing = 0;  // sectors
+    std::uint32_t stack = 0, stack_spilled = 0;
+    std::uint32_t context = 0, context_spilled = 0;
+    std::uint32_t ordinal = 0;
+    LaneState state = LaneState::kNone;
+    bool intersection = false;
+    // Tests that one event stands for and that follow each other.
+    std::uint8_t steps = 0, step = 0;
+    std::array<Step, 2> step_list{};
+  };
+  struct Slot {
+    bool used = false, judging = false;
+    std::uint32_t warp = 0;
+    std::uint32_t active = 0;     // lanes not done
+    std::uint32_t suspended = 0;  // lanes with a candidate, not yet sent
+    std::uint32_t away = 0;       // lanes whose candidate is on the SM
+    std::uint64_t age = 0;
+    Cycles arrived;
+    std::array<Lane, kLanes> lanes;
+    std::array<std::vector<Event>, kLanes> events;
+    RequestTable requests;
+    std::vector<CandidateJob> jobs;
+  };
+  void run_lane(Cycles now, std::uint32_t slot, std::uint32_t lane);
+  // Each returns true if the lane has to wait before its next event.
+  bool do_event(Cycles now, std::uint32_t slot, std::uint32_t lane, const Event& event);
+  bool fetch(Cycles now, std::uint32_t slot, std::uint32_t lane, Address address,
+             std::uint32_t bytes, Traffic kind);
+  // Counts and registers one record; returns the sectors the lane waits for because of it.
+  std::uint32_t want(Slot& slot, std::uint32_t lane, Address address, std::uint32_t bytes,
+                     Traffic kind);
+  bool test(Cycles now, std::uint32_t slot, std::uint32_t lane, Tester tester, std::uint32_t count);
+  void push(Cycles now, std::uint32_t slot, std::uint32_t lane, std::uint32_t count);
+  bool pop(Cycles now, std::uint32_t slot, std::uint32_t lane, std::uint32_t count);
+  void push_context(Cycles now, std::uint32_t slot, std::uint32_t lane);
+  bool pop_context(Cycles now, std::uint32_t slot, std::uint32_t lane, const Event& event);
+  void follow(Lane& lane, Step first, Step second);
+  bool suspend(Cycles now, std::uint32_t slot, std::uint32_t lane, const Event& event);
+  void maybe_judge(Cycles now, std::uint32_t slot);
+  void end_ray(Cycles now, std::uint32_t slot, std::uint32_t lane);
+  void set_state(Cycles now, Lane& lane, LaneState state);
+  void data(Cycles now, std::uint32_t token);
+  void kick_port(Cycles now);
+  void run_port(Cycles now);
+  std::uint32_t oldest_with_requests() const;
+  Address stack_address(std::uint32_t slot, std::uint32_t lane, std::uint32_t entry,
+                        std::uint32_t bytes, std::uint64_t area) const;
+  void store(Cycles now, Address address, std::uint32_t bytes);
+  bool send_store(Cycles now);
+  bool send_request(Cycles now, std::uint32_t slot);
+  RtReason reason() const;
+  void account(Cycles now);
+
+  MachineConfig config_;
+  std::uint32_t index_;
+  Calendar& calendar_;
+  L1Cache& l1_;
+  RaySource& source_;
+  RtHost& host_;
+  ClockDomain clock_;
+  std::array<TesterPool, kTesters> pools_;
+  std::vector<std::unique_ptr<Slot>> slots_;
+  std::uint32_t resident_ = 0;
+  std::uint64_t age_ = 0;
+  std::vector<Address> stores_;  // sectors, sent in order
+  std::size_t stores_head_ = 0;
+  Budget port_;
+  bool port_booked_ = false, port_blocked_ = false, bank_busy_ = false;
+  Cycles port_free_;
+  std::uint32_t in_fetch_ = 0, in_test_ = 0, in_shader_ = 0;  // lanes
+  RtCounts counts_;
+  Attribution<RtReason> attribution_;
+  BinnedSeries occupancy_, active_series_;
+  Cycles series_until_;
+};
+
+}  // namespace a2rt::timing

@@ -1,0 +1,42 @@
+// Addresses for the shaders' own loads and stores, which the capture counts but does not name.
+//
+// Default model, `primitive`: a hit shader reads a 128-byte record of its ray's primitive (three
+// vertices of 36 bytes and an index triple fill one in the LumiBench shaders), so lanes and warps
+// that hit the same geometry share sectors as they would with real buffers; what it reads beyond
+// that is a material shared by all. Ray generation and miss shaders stream by launch id. Texels lie
+// in 8x4 tiles by launch id. Payload and attributes are thread-private words, interleaved by lane as
+// GPUs lay out local memory. `streaming`: every buffer load streams by launch id (no reuse).
+// `ideal`: loads take the L1's latency and cause no traffic. Uniform loads hit a constant cache.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "a2rt/timing/machine_config.h"
+#include "a2rt/timing/program.h"
+#include "a2rt/workload/workload.h"
+
+namespace a2rt::timing {
+
+enum class ShaderAccess : std::uint8_t { kBufferLoad, kBufferStore, kTexture, kPayload };
+
+class ShaderAddresses {
+ public:
+  ShaderAddresses(const Workload& workload, const MachineConfig& config);
+
+  // Sectors touched by access number `ordinal` of its kind in the segment, each once.
+  void sectors(ShaderAccess access, std::uint32_t ordinal, const SegmentWork& work,
+               const WarpProgram& warp, std::uint32_t width, std::uint32_t thread_block,
+               std::vector<Address>& out) const;
+
+ private:
+  std::uint64_t record_of(std::uint32_t ray, std::uint32_t launch, bool& by_hit) const;
+
+  const Workload& workload_;
+  ShaderMemory model_;
+  std::uint32_t words_per_load_;
+  std::vector<std::uint64_t> blas_first_;  // record number of each BLAS's first primitive
+  std::vector<bool> works_on_hit_;         // by shader
+};
+
+}  // namespace a2rt::timing

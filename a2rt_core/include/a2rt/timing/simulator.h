@@ -1,0 +1,41 @@
+// Runs a workload's dispatches on the machine.
+//
+// One thread, one calendar: the same workload and configuration give the same cycles on every host.
+// Host threads, if any, only produce rays' events ahead of time (see event_ahead.h).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "a2rt/timing/machine_config.h"
+#include "a2rt/timing/ray_source.h"
+#include "a2rt/timing/result.h"
+#include "a2rt/workload/workload.h"
+
+namespace a2rt::timing {
+
+struct SimulationOptions {
+  // Warps to run, ascending, numbered through all dispatches; empty = all.
+  std::vector<std::uint32_t> warps;
+  // Only dispatches of these frames; empty = all.
+  std::vector<std::uint32_t> frames;
+  // Called now and then with the share of warps done.
+  std::function<void(double)> progress;
+};
+
+// One warp of a workload: 32 consecutive launch ids in x.
+struct WarpPlace {
+  std::uint32_t dispatch = 0, first_launch = 0, count = 0;
+};
+// All warps of the workload in launch order; their positions are the warp numbers.
+std::vector<WarpPlace> list_warps(const Workload& workload,
+                                  const std::vector<std::uint32_t>& frames = {});
+
+// Throws UserError if configuration and workload do not fit, InternalError if the model breaks one
+// of its own laws: an unanswered request, a count that does not add up, no progress.
+SimulationResult simulate(const Workload& workload, RaySource& source, const MachineConfig& config,
+                          const SimulationOptions& options = {});
+
+}  // namespace a2rt::timing

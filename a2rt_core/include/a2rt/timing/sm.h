@@ -1,0 +1,165 @@
+// One streaming multiprocessor: resident warps replay their segments under greedy-then-oldest
+// schedulers, load and store through the L1, and park in the RT unit while their rays are traced.
+//
+// A warp issues `independent_instructions` back to back, then waits for the latency of the last: the
+// capture counts instructions but not their dependences. Loads are spread evenly over the segment's
+// arithmetic and issued `loads_in_flight` at a time before their use; stores end the segment.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "a2rt/timing/attribution.h"
+#include "a2rt/timing/budget.h"
+#include "a2rt/timing/calendar.h"
+#include "a2rt/timing/l1_cache.h"
+#include "a2rt/timing/program.h"
+#include "a2rt/timing/rt_engine.h"
+#include "a2rt/timing/shader_memory.h"
+
+namespace a2rt::timing {
+
+// What the SMs share: the warps still to be launched and the records of rays.
+class SmHost {
+ public:
+  virtual ~SmHost() = default;
+  struct NewWarp {
+    WarpProgram program;
+    std::uint32_t number;  // of the warp in the run
+    std::uint32_t width;   // of the launch
+  };
+  // Fills `warp` and returns true, or returns false if no warp is left for now.
+  virtual bool next_warp(NewWarp& warp) = 0;
+  virtual void warp_retired(std::uint32_t sm, std::uint32_t number, Cycles residence) = 0;
+  virtual void ray_time(std::uint32_t ray, Cycles cycles) = 0;
+};
+
+struct SmCounts {
+  std::uint64_t warps = 0;
+  std::uint64_t alu = 0, sfu = 0, uniform = 0, loads = 0, stores = 0, traces = 0;  // warp instr.
+  std::array<std::uint64_t, capture::kCounters> lane_operations{};                 // lane level
+  std::uint64_t lsu_sectors = 0;
+  std::uint64_t warp_cycles = 0;     // residence, summed over warps
+  std::uint64_t rt_warp_cycles = 0;  // of them, from trace issue to return
+  std::uint64_t instructions() const { return alu + sfu + uniform + loads + stores + traces; }
+};
+
+class Sm final : public Component, public RtHost {
+ public:
+  Sm(const MachineConfig& config, std::uint32_t index, Calendar& calendar, LowerLevel& lower,
+     RaySource& source, const ShaderAddresses& addresses, SmHost& host);
+
+  // Fills free warp slots; called at the start of a dispatch and when a warp retires.
+  bool launch(Cycles now);
+  bool idle() const { return resident_ == 0; }
+  // End of the last issue or port use booked so far, which may lie beyond the last appointment.
+  Cycles booked_until() const;
+  void finish(Cycles end);
+
+  L1Cache& l1() { return l1_; }
+  RtEngine& rt() { return rt_; }
+  const SmCounts& counts() const { return counts_; }
+  std::array<std::uint64_t, static_cast<std::size_t>(SchedulerReason::kCount)> reasons() const;
+  const BinnedSeries& occupancy() const { return occupancy_; }
+
+  void wake(Cycles now, std::uint32_t what, std::uint32_t value) override;
+  std::string dump() const override;
+  void check_drained() const override;
+
+ private:
+  // Beyond L1Wake's values.
+  enum Wake : std::uint32_t { kIssue = 16, kLsuPort, kJudge, kResume };
+  enum class State : std::uint8_t { kEmpty, kReady, kMemory, kLsu, kRtSlot, kInRt, kCount };
+  struct Warp {
+    State state = State::kEmpty;
+    bool judging = false, retire_after = false;
+    Cycles ready, launched, traced;
+    std::uint64_t age = 0;
+    std::uint32_t number = 0, width = 1;
+    std::uint32_t outstanding = 0;  // sectors loaded
+    WarpProgram program;
+    SegmentWork work;
+    LaneRays rays{};
+    std::vector<CandidateJob> jobs;
+    // What is left of the segment.
+    std::uint32_t uniform = 0, alu = 0, sfu = 0, loads = 0, stores = 0;
+    std::uint32_t alu_phase = 0, sfu_phase = 0, loads_phase = 0, phases = 0;
+    std::array<std::uint32_t, 3> loads_left{};  // buffer, texture, payload
+    std::array<std::uint32_t, 2> stores_left{};  // buffer, payload
+  };
+  struct Scheduler {
+    std::uint32_t last = 0;  // slot issued last
+    Cycles free, sfu_free;
+    bool booked = false;
+    Cycles booked_at;
+    std::array<std::uint32_t, static_cast<std::size_t>(State::kCount)> states{};
+    Attribution<SchedulerReason> attribution;
+  };
+  struct LsuEntry {
+    Address sector;
+    std::uint32_t slot;
+    bool write;
+    Traffic kind;
+  };
+  enum class Issue : std::uint8_t { kNothing, kAgain, kIssued };
+
+  // sm.cpp: scheduling
+  void issue(Cycles now, std::uint32_t scheduler);
+  std::uint32_t choose(Cycles now, const Scheduler& scheduler, std::uint32_t index) const;
+  void book(Cycles now, std::uint32_t scheduler);
+  void set_state(Cycles now, std::uint32_t slot, State state);
+  void make_ready(Cycles now, std::uint32_t slot, Cycles ready);
+  SchedulerReason idle_reason(const Scheduler& scheduler) const;
+  void account(Cycles now, Scheduler& scheduler);
+  void account_occupancy(Cycles now);
+  void retire(Cycles now, std::uint32_t slot);
+
+  // sm_segment.cpp: a warp's way through its segment
+  void begin_work(Warp& warp);
+  void begin_phase(Warp& warp);
+  Issue step(Cycles now, std::uint32_t slot, std::uint32_t scheduler);
+  Issue issue_arithmetic(Cycles now, Warp& warp, Scheduler& scheduler);
+  Issue issue_load(Cycles now, std::uint32_t slot, Scheduler& scheduler);
+  Issue issue_store(Cycles now, std::uint32_t slot, Scheduler& scheduler);
+  Issue end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler);
+  void enter_rt(Cycles now, std::uint32_t slot);
+  void queue_sectors(Cycles now, std::uint32_t slot, ShaderAccess access, std::uint32_t ordinal,
+                     bool write);
+  void kick_lsu(Cycles now);
+  void run_lsu(Cycles now);
+  void spend(Cycles now, Scheduler& scheduler, std::uint32_t slots, SchedulerReason reason);
+
+  void rays_done(Cycles now, std::uint32_t warp, Cycles ready) override;
+  void slot_free(Cycles now) override;
+  void judge(Cycles start, std::uint32_t warp, const std::vector<CandidateJob>& jobs) override;
+  void ray_time(std::uint32_t ray, Cycles cycles) override { host_.ray_time(ray, cycles); }
+
+  MachineConfig config_;
+  std::uint32_t index_;
+  Calendar& calendar_;
+  const ShaderAddresses& addresses_;
+  SmHost& host_;
+  L1Cache l1_;
+  RtEngine rt_;
+  std::vector<Warp> warps_;
+  std::vector<Scheduler> schedulers_;
+  std::vector<std::uint32_t> waiting_for_rt_;  // slots, in order of arrival
+  std::vector<LsuEntry> lsu_;
+  std::size_t lsu_head_ = 0;
+  bool lsu_booked_ = false, lsu_blocked_ = false;
+  Cycles lsu_free_;
+  Budget lsu_budget_;
+  std::vector<Address> scratch_;
+  SmHost::NewWarp new_warp_{};
+  std::uint32_t resident_ = 0;
+  std::uint64_t age_ = 0;
+  SmCounts counts_;
+  BinnedSeries occupancy_;
+  Cycles occupancy_until_;
+};
+
+}  // namespace a2rt::timing

@@ -1,0 +1,66 @@
+#include "a2rt/timing/attribution.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace a2rt::timing {
+
+const char* reason_name(SchedulerReason reason) {
+  static constexpr const char* kNames[] = {
+      "issue_alu",   "issue_sfu", "issue_memory", "issue_trace",  "wait_dependency",
+      "wait_memory", "wait_lsu",  "wait_rt_slot", "wait_rt_unit", "no_warp"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(SchedulerReason::kCount));
+  return kNames[static_cast<std::size_t>(reason)];
+}
+
+const char* reason_name(RtReason reason) {
+  static constexpr const char* kNames[] = {"fetch",       "bank_busy",   "mshr_full", "test",
+                                           "wait_memory", "wait_shader", "idle"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(RtReason::kCount));
+  return kNames[static_cast<std::size_t>(reason)];
+}
+
+const char* reason_name(LaneReason reason) {
+  static constexpr const char* kNames[] = {"fetch", "test", "shader", "done", "inactive"};
+  static_assert(std::size(kNames) == static_cast<std::size_t>(LaneReason::kCount));
+  return kNames[static_cast<std::size_t>(reason)];
+}
+
+void BinnedSeries::add(Cycles from, Cycles to, std::uint64_t value) {
+  if (value == 0 || from >= to) {
+    return;
+  }
+  while (to.value > width_ * sums_.size()) {
+    for (std::size_t i = 0; i < sums_.size() / 2; ++i) {
+      sums_[i] = sums_[2 * i] + sums_[2 * i + 1];
+    }
+    std::fill(sums_.begin() + static_cast<std::ptrdiff_t>(sums_.size() / 2), sums_.end(), 0);
+    width_ *= 2;
+  }
+  std::uint64_t at = from.value;
+  while (at < to.value) {
+    const std::uint64_t bin = at / width_;
+    const std::uint64_t stop = std::min(to.value, (bin + 1) * width_);
+    sums_[bin] += (stop - at) * value;
+    at = stop;
+  }
+}
+
+std::vector<double> BinnedSeries::means(Cycles end) const {
+  std::vector<double> means;
+  for (std::uint64_t bin = 0; bin * width_ < end.value && bin < sums_.size(); ++bin) {
+    const std::uint64_t cycles = std::min(width_, end.value - bin * width_);
+    means.push_back(static_cast<double>(sums_[bin]) / static_cast<double>(cycles));
+  }
+  return means;
+}
+
+void PowerHistogram::add(std::uint64_t value) {
+  const std::size_t bin = value == 0 ? 0 : static_cast<std::size_t>(std::bit_width(value) - 1);
+  ++bins_[std::min(bin, bins_.size() - 1)];
+  ++count_;
+  sum_ += value;
+  largest_ = std::max(largest_, value);
+}
+
+}  // namespace a2rt::timing

@@ -1,0 +1,80 @@
+#include "a2rt/timing/calendar.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace a2rt::timing {
+namespace {
+
+constexpr auto kLater = [](const auto& a, const auto& b) {
+  return a.when != b.when ? a.when > b.when : a.order > b.order;
+};
+
+}  // namespace
+
+Calendar::Calendar() {
+  for (auto& bucket : buckets_) {
+    bucket.reserve(64);
+  }
+}
+
+void Calendar::push_far(Cycles when, Appointment appointment) {
+  far_.push_back({when, far_order_++, appointment});
+  std::push_heap(far_.begin(), far_.end(), kLater);
+}
+
+void Calendar::pull_far() {
+  while (!far_.empty() && far_.front().when.value - now_.value < kWheel) {
+    std::pop_heap(far_.begin(), far_.end(), kLater);
+    const Far far = far_.back();
+    far_.pop_back();
+    const std::size_t bucket = far.when.value % kWheel;
+    buckets_[bucket].push_back(far.appointment);
+    occupied_[bucket / 64] |= std::uint64_t{1} << (bucket % 64);
+  }
+}
+
+std::uint64_t Calendar::distance_to_next_bucket() const {
+  const std::size_t start = now_.value % kWheel;
+  const std::size_t first_word = start / 64;
+  for (std::size_t i = 0; i <= occupied_.size(); ++i) {
+    const std::size_t word = (first_word + i) % occupied_.size();
+    std::uint64_t bits = occupied_[word];
+    if (i == 0) {
+      bits &= ~std::uint64_t{0} << (start % 64);
+    } else if (i == occupied_.size()) {
+      bits &= ~(~std::uint64_t{0} << (start % 64));
+    }
+    if (bits != 0) {
+      const std::size_t bucket = word * 64 + static_cast<std::size_t>(std::countr_zero(bits));
+      return (bucket + kWheel - start) % kWheel;
+    }
+  }
+  return kWheel;
+}
+
+bool Calendar::step() {
+  if (pending_ == 0) {
+    return false;
+  }
+  std::uint64_t distance = distance_to_next_bucket();
+  if (!far_.empty()) {
+    distance = std::min(distance, far_.front().when.value - now_.value);
+  }
+  now_ += Cycles{distance};
+  pull_far();
+  const std::size_t index = now_.value % kWheel;
+  auto& bucket = buckets_[index];
+  // Appointments made for this very cycle while it runs are appended and kept too.
+  for (std::size_t i = 0; i < bucket.size(); ++i) {
+    const Appointment appointment = bucket[i];
+    appointment.who->wake(now_, appointment.what, appointment.value);
+  }
+  served_ += bucket.size();
+  pending_ -= bucket.size();
+  bucket.clear();
+  occupied_[index / 64] &= ~(std::uint64_t{1} << (index % 64));
+  return true;
+}
+
+}  // namespace a2rt::timing

@@ -1,0 +1,87 @@
+// The calendar and the budgets everything else stands on.
+#include "a2rt/timing/calendar.h"
+
+#include <gtest/gtest.h>
+
+#include "a2rt/timing/attribution.h"
+#include "a2rt/timing/budget.h"
+#include "mocks.h"
+
+namespace a2rt::timing::test {
+namespace {
+
+TEST(Calendar, keeps_appointments_in_order_of_time_then_of_making) {
+  Calendar uut;
+  RecordingClient client;
+  uut.at(Cycles{5000}, client, 0, 4);  // beyond the wheel
+  uut.at(Cycles{7}, client, 0, 2);
+  uut.at(Cycles{3}, client, 0, 1);
+  uut.at(Cycles{7}, client, 0, 3);
+  uut.at(Cycles{1'000'000}, client, 0, 5);
+  EXPECT_EQ(drain(uut), Cycles{1'000'000});
+  ASSERT_EQ(client.wakeups.size(), 5u);
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(client.wakeups[i].value, i + 1);
+  }
+  EXPECT_EQ(client.wakeups[3].when, Cycles{5000});
+}
+
+TEST(Calendar, an_appointment_exactly_one_wheel_ahead_is_kept_on_time) {
+  for (const std::uint64_t ahead : {1023u, 1024u, 1025u, 2048u}) {
+    Calendar uut;
+    RecordingClient client;
+    At start(uut, Cycles{77},
+             [&](Cycles now) { uut.at(now + Cycles{ahead}, client, 0, 0); });
+    drain(uut);
+    ASSERT_EQ(client.wakeups.size(), 1u);
+    EXPECT_EQ(client.wakeups[0].when, Cycles{77 + ahead});
+  }
+}
+
+TEST(Calendar, an_appointment_made_for_the_running_cycle_is_kept_in_it) {
+  Calendar uut;
+  RecordingClient client;
+  At now(uut, Cycles{9}, [&](Cycles n) { uut.at(n, client, 0, 0); });
+  EXPECT_EQ(drain(uut), Cycles{9});
+  EXPECT_EQ(client.wakeups.size(), 1u);
+}
+
+TEST(Calendar, refuses_an_appointment_in_the_past) {
+  Calendar uut;
+  RecordingClient client;
+  At late(uut, Cycles{9},
+          [&](Cycles) { EXPECT_THROW(uut.at(Cycles{8}, client, 0, 0), InternalError); });
+  drain(uut);
+}
+
+TEST(Budget, throws_when_overspent_in_one_cycle_and_starts_afresh_in_the_next) {
+  Budget uut(2);
+  uut.spend(Cycles{4});
+  uut.spend(Cycles{4});
+  EXPECT_EQ(uut.left(Cycles{4}), 0u);
+  EXPECT_THROW(uut.spend(Cycles{4}), InternalError);
+  uut.spend(Cycles{5}, 2);
+  EXPECT_THROW(uut.spend(Cycles{4}), InternalError);
+}
+
+TEST(Attribution, a_cycle_left_out_or_booked_beyond_the_end_fails_the_check) {
+  Attribution<RtReason> uut;
+  uut.until(Cycles{10}, RtReason::kTest);
+  EXPECT_NO_THROW(uut.check(Cycles{10}));
+  EXPECT_THROW(uut.check(Cycles{11}), InternalError);
+  EXPECT_THROW(uut.check(Cycles{9}), InternalError);
+}
+
+TEST(BinnedSeries, means_survive_the_doubling_of_its_bins) {
+  BinnedSeries uut(4);
+  uut.add(Cycles{0}, Cycles{128}, 8);
+  uut.add(Cycles{128}, Cycles{2048}, 2);
+  EXPECT_EQ(uut.width(), 512u);
+  const std::vector<double> means = uut.means(Cycles{2048});
+  ASSERT_EQ(means.size(), 4u);
+  EXPECT_DOUBLE_EQ(means[0], (128 * 8 + 384 * 2) / 512.0);
+  EXPECT_DOUBLE_EQ(means[3], 2);
+}
+
+}  // namespace
+}  // namespace a2rt::timing::test

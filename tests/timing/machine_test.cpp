@@ -1,0 +1,216 @@
+// The machine as a whole: scaling, conservation, determinism, watchdog, edge cases.
+#include <gtest/gtest.h>
+
+#include "a2rt/timing/memory_system.h"
+#include "a2rt/timing/result_json.h"
+#include "a2rt/timing/simulator.h"
+#include "a2rt/workload/synthetic.h"
+#include "mocks.h"
+
+namespace a2rt::timing::test {
+namespace {
+
+std::uint64_t total(const TrafficCounts& counts) {
+  std::uint64_t sum = 0;
+  for (const std::uint64_t c : counts) {
+    sum += c;
+  }
+  return sum;
+}
+
+// Pseudo-random but repeatable events: fetches over 4 MB, node and triangle tests, a stack.
+class NoisySource final : public RaySource {
+ public:
+  void events(std::uint32_t ray, std::vector<Event>& out) override {
+    std::uint64_t s = ray * 0x9e3779b97f4a7c15u + 1;
+    const auto next = [&] { return s = s * 6364136223846793005u + 1442695040888963407u, s >> 33; };
+    const std::uint64_t steps = 4 + next() % 20;
+    for (std::uint64_t i = 0; i < steps; ++i) {
+      out.push_back(fetch(next() % (1 << 22) / 16 * 16, static_cast<std::uint32_t>(56 + next() % 200)));
+      out.push_back(count_event(EventKind::kBoxTest, 6));
+      out.push_back(count_event(EventKind::kPush, 3));
+      if (next() % 3 == 0) {
+        out.push_back(fetch((1 << 23) + next() % (1 << 20) * 36, 36, Traffic::kTriangle));
+        out.push_back(count_event(EventKind::kTriangleTest));
+      }
+      out.push_back(count_event(EventKind::kPop));
+    }
+  }
+};
+
+TEST(Machine, an_empty_workload_takes_no_time) {
+  ScriptedSource source;
+  EXPECT_EQ(simulate(Workload{}, source, MachineConfig{}).cycles, Cycles{0});
+  EXPECT_EQ(simulate(rays_only(0), source, MachineConfig{}).cycles, Cycles{0});
+}
+
+TEST(Machine, one_ray_takes_the_sum_of_its_parts) {
+  ScriptedSource source;
+  MachineConfig config = one_sm();
+  config.dram.mhz = config.core_mhz;
+  source.everyone = {fetch(0), count_event(EventKind::kBoxTest, 6),
+                     count_event(EventKind::kTriangleTest)};
+  const Cycles dram = config.dram.extra_latency + config.dram.rcd + config.dram.cl +
+                      config.dram.burst;
+  EXPECT_EQ(cycles_of(rays_only(1), source, config),
+            l2_hit(config) + dram + Cycles{4} + Cycles{4} + overhead(config));
+}
+
+TEST(Machine, a_launch_without_rays_or_segments_still_ends) {
+  ScriptedSource source;
+  Workload w = rays_only(4);
+  w.rays.clear();
+  w.driver_hits.clear();
+  w.dispatches[0].ray_count = 0;
+  EXPECT_EQ(simulate(w, source, one_sm()).sm.warps, 1u);
+}
+
+TEST(Machine, warps_that_share_nothing_scale_with_the_sms) {
+  ScriptedSource source;
+  MachineConfig config = one_sm();
+  config.rt.warps = 1;
+  config.rt.tester(Tester::kTransform) = {1, Cycles{10}, Cycles{1}};
+  source.everyone = {count_event(EventKind::kTransform)};
+  const Cycles one = cycles_of(rays_only(8 * 32), source, config);
+  config.sm.count = 8;
+  config.rt.tester(Tester::kTransform).count = 8;
+  for (TesterConfig& t : config.rt.testers) {
+    t.count = std::max(t.count, 8u);
+  }
+  const Cycles eight = cycles_of(rays_only(8 * 32), source, config);
+  EXPECT_EQ(eight, Cycles{31 + 10} + overhead(config));
+  EXPECT_GT(one, eight * 7);
+}
+
+TEST(Machine, odd_numbers_of_testers_are_spread_evenly) {
+  ScriptedSource source;
+  MachineConfig config = one_sm();
+  config.sm.count = 8;
+  config.rt.tester(Tester::kBox) = {15, Cycles{6}, Cycles{1}};
+  const SimulationResult r = simulate(rays_only(32), source, config);
+  EXPECT_EQ(r.testers[static_cast<std::size_t>(Tester::kBox)].count, 15u);
+}
+
+TEST(Machine, fewer_testers_than_rt_units_are_refused) {
+  ScriptedSource source;
+  MachineConfig config;
+  config.rt.tester(Tester::kBox).count = 7;
+  EXPECT_THROW(simulate(rays_only(32), source, config), UserError);
+}
+
+TEST(Machine, counts_agree_between_the_levels) {
+  NoisySource source;
+  MachineConfig config;
+  config.rt.stack_entries = 4;
+  const SimulationResult r = simulate(rays_only(4096, 2, 64), source, config);
+  EXPECT_EQ(r.rays(), 8192u);
+  EXPECT_EQ(total(r.l1.reads), total(r.l1.hits) + total(r.l1.merges) + total(r.l1.misses));
+  EXPECT_EQ(total(r.l1.misses), total(r.l2.reads));
+  EXPECT_EQ(total(r.l2.misses), r.dram.reads);
+  EXPECT_EQ(total(r.l1.reads), r.rt.sectors_sent);
+  EXPECT_GT(r.rt.stack_spills, 0u);
+  EXPECT_LE(r.rt.sectors_sent, total(r.rt.sectors_wanted) );
+}
+
+TEST(Machine, the_same_run_gives_the_same_everything) {
+  const Workload w = rays_only(2048, 2, 64);
+  NoisySource a, b;
+  const SimulationResult first = simulate(w, a, MachineConfig{});
+  const SimulationResult second = simulate(w, b, MachineConfig{});
+  EXPECT_EQ(first.cycles, second.cycles);
+  EXPECT_EQ(first.launch_cycles, second.launch_cycles);
+  EXPECT_EQ(first.l1.hits, second.l1.hits);
+  EXPECT_EQ(first.dram.row_hits, second.dram.row_hits);
+  EXPECT_EQ(first.rt_reasons, second.rt_reasons);
+}
+
+TEST(Machine, cycles_of_a_launch_id_are_the_sum_over_its_rays) {
+  NoisySource source;
+  const SimulationResult r = simulate(rays_only(256, 3, 32), source, MachineConfig{});
+  std::uint64_t sum = 0;
+  for (const std::uint32_t c : r.launch_cycles) {
+    sum += c;
+  }
+  EXPECT_EQ(sum, r.ray_cycles.sum());
+  EXPECT_EQ(r.ray_cycles.count(), 768u);
+}
+
+TEST(Machine, dispatches_run_one_after_the_other) {
+  ScriptedSource source;
+  const MachineConfig config = one_sm();
+  source.everyone = {count_event(EventKind::kTransform)};
+  Workload w = rays_only(32);
+  const Cycles one = cycles_of(w, source, config);
+  w.dispatches.push_back(w.dispatches[0]);
+  w.dispatches[1].first_ray = 32;
+  for (std::uint32_t l = 0; l < 32; ++l) {
+    w.rays.push_back(w.rays[l]);
+    w.rays.back().dispatch = 1;
+  }
+  w.driver_hits.resize(64);
+  const SimulationResult r = simulate(w, source, config);
+  EXPECT_EQ(r.cycles, one * 2);
+  ASSERT_EQ(r.dispatches.size(), 2u);
+  EXPECT_EQ(r.dispatches[0].rays, 32u);
+}
+
+TEST(Machine, frames_can_be_chosen) {
+  ScriptedSource source;
+  Workload w = rays_only(32);
+  w.dispatches[0].frame = 3;
+  SimulationOptions options;
+  options.frames = {2};
+  EXPECT_EQ(simulate(w, source, one_sm(), options).rays(), 0u);
+  options.frames = {3};
+  EXPECT_EQ(simulate(w, source, one_sm(), options).rays(), 32u);
+}
+
+TEST(Machine, a_dispatch_narrower_than_a_warp_leaves_lanes_inactive) {
+  ScriptedSource source;
+  source.everyone = {count_event(EventKind::kTransform)};
+  const SimulationResult r = simulate(rays_only(40, 1, 20), source, one_sm());
+  EXPECT_EQ(r.sm.warps, 2u);
+  EXPECT_EQ(r.rays(), 40u);
+}
+
+// Rigged: a warp that never stops asking keeps the clock running without progress.
+TEST(Watchdog, a_machine_without_progress_is_stopped_with_a_dump_of_its_parts) {
+  ScriptedSource source;
+  MachineConfig config = one_sm();
+  config.watchdog_cycles = 5000;
+  // A test of a million cycles: nothing moves meanwhile, which is what the watchdog must notice.
+  config.rt.tester(Tester::kTransform).latency = Cycles{1'000'000};
+  source.everyone = {count_event(EventKind::kTransform)};
+  try {
+    simulate(rays_only(1), source, config);
+    FAIL() << "the watchdog slept";
+  } catch (const InternalError& e) {
+    const std::string text = e.what();
+    EXPECT_NE(text.find("no progress"), std::string::npos);
+    for (const char* part : {"sm[0]", "rt[0]", "l1[0]", "memory:", "dram:"}) {
+      EXPECT_NE(text.find(part), std::string::npos) << part;
+    }
+    EXPECT_NE(text.find("1 test"), std::string::npos) << text;
+  }
+}
+
+TEST(Watchdog, a_slow_machine_that_makes_progress_is_left_alone) {
+  ScriptedSource source;
+  MachineConfig config = one_sm();
+  config.watchdog_cycles = 5000;
+  config.rt.tester(Tester::kTransform).latency = Cycles{4000};
+  source.everyone.assign(10, count_event(EventKind::kTransform));
+  EXPECT_EQ(cycles_of(rays_only(1), source, config), Cycles{40'000} + overhead(config));
+}
+
+TEST(Machine, synthetic_workloads_run_with_their_own_segments) {
+  synthetic::Config scene;
+  scene.primitives = 64;
+  const Workload w = synthetic::make(scene);
+  NoisySource source;
+  const SimulationResult r = simulate(w, source, MachineConfig{});
+  EXPECT_EQ(r.rays(), w.rays.size());
+}
+
+}  // namespace
+}  // namespace a2rt::timing::test

@@ -1,0 +1,204 @@
+// Crossbar, L2 and DRAM: latencies, row buffer outcomes, peak bandwidths. Exact cycles.
+#include "a2rt/timing/memory_system.h"
+
+#include <gtest/gtest.h>
+
+#include "mocks.h"
+
+namespace a2rt::timing::test {
+namespace {
+
+class Sink final : public SectorSink {
+ public:
+  explicit Sink(Calendar& calendar) : calendar_(calendar) {}
+  void fill(Cycles now, Address sector) override {
+    (void)calendar_;
+    arrived.push_back({now, sector});
+  }
+  std::vector<std::pair<Cycles, Address>> arrived;
+
+ private:
+  Calendar& calendar_;
+};
+
+struct Memory : ::testing::Test {
+  MachineConfig config = one_sm();
+  Calendar calendar;
+  std::unique_ptr<MemorySystem> uut;
+  std::unique_ptr<Sink> sink;
+  Memory() {
+    config.dram.mhz = config.core_mhz;  // one command cycle per core cycle: whole numbers
+    config.l2.channels = 1;
+    config.l2.slices_per_channel = 1;
+  }
+  void build() {
+    uut = std::make_unique<MemorySystem>(config, calendar);
+    sink = std::make_unique<Sink>(calendar);
+    uut->connect(0, *sink);
+  }
+  void read(std::uint64_t address) {
+    uut->request(calendar.now(), 0, Address{address}, Traffic::kNode, false);
+  }
+  // Cycles from now until the sector arrives, with nothing else under way.
+  Cycles time(std::uint64_t address) {
+    const Cycles start = calendar.now();
+    read(address);
+    drain(calendar);
+    EXPECT_EQ(sink->arrived.back().second, Address{address});
+    return sink->arrived.back().first - start;
+  }
+  Cycles hit() const { return config.l2.crossbar_latency * 2 + config.l2.latency; }
+  // L2 miss without the row commands.
+  Cycles miss() const {
+    return hit() + config.dram.extra_latency + config.dram.cl + config.dram.burst;
+  }
+  // Long enough for every bank to be ready again.
+  void rest() {
+    At idle(calendar, calendar.now() + Cycles{2000}, [](Cycles) {});
+    drain(calendar);
+  }
+};
+
+TEST_F(Memory, a_first_access_activates_its_row) {
+  build();
+  EXPECT_EQ(time(0), miss() + config.dram.rcd);
+  EXPECT_EQ(uut->dram_counts().row_misses, 1u);
+}
+
+TEST_F(Memory, an_l2_hit_costs_crossbar_and_l2_latency) {
+  build();
+  time(0);
+  EXPECT_EQ(time(0), hit());
+  uut->check_drained();
+}
+
+TEST_F(Memory, another_sector_of_an_open_row_needs_no_activate) {
+  build();
+  time(0);
+  rest();
+  EXPECT_EQ(time(1024), miss());
+  EXPECT_EQ(uut->dram_counts().row_hits, 1u);
+}
+
+TEST_F(Memory, another_row_of_a_bank_costs_precharge_and_activate) {
+  build();
+  time(0);
+  rest();
+  const std::uint64_t other_row = config.dram.row.value * config.dram.banks;
+  EXPECT_EQ(time(other_row), miss() + config.dram.rp + config.dram.rcd);
+  EXPECT_EQ(uut->dram_counts().row_conflicts, 1u);
+}
+
+TEST_F(Memory, another_bank_costs_an_activate_only) {
+  build();
+  time(0);
+  rest();
+  EXPECT_EQ(time(config.dram.row.value), miss() + config.dram.rcd);
+  EXPECT_EQ(uut->dram_counts().row_misses, 2u);
+}
+
+TEST_F(Memory, a_second_clock_domain_is_converted_exactly) {
+  config.dram.mhz = config.core_mhz * 2;
+  build();
+  // 20 + 20 + 4 command cycles at twice the clock.
+  EXPECT_EQ(time(0), hit() + config.dram.extra_latency + Cycles{22});
+}
+
+TEST_F(Memory, open_rows_are_served_before_older_conflicts) {
+  build();
+  time(0);
+  rest();
+  const std::uint64_t other_row = config.dram.row.value * config.dram.banks;
+  const std::size_t before = sink->arrived.size();
+  // Oldest first: a row hit, then a conflict in the same bank, then another row hit.
+  read(1024);
+  read(other_row);
+  read(1056);
+  drain(calendar);
+  ASSERT_EQ(sink->arrived.size(), before + 3);
+  EXPECT_EQ(sink->arrived[before].second, Address{1024});
+  EXPECT_EQ(sink->arrived[before + 1].second, Address{1056});
+  EXPECT_EQ(sink->arrived[before + 2].second, Address{other_row});
+}
+
+TEST_F(Memory, a_stream_through_an_open_row_runs_at_one_sector_per_ccd) {
+  build();
+  time(0);
+  rest();
+  const std::size_t before = sink->arrived.size();
+  constexpr std::uint64_t kSectors = 32;
+  for (std::uint64_t i = 0; i < kSectors; ++i) {
+    read(1024 + i * kSectorBytes);
+  }
+  const Cycles start = calendar.now();
+  drain(calendar);
+  // The first takes a miss; each further one follows a column cycle later.
+  const Cycles last = sink->arrived.back().first - start;
+  EXPECT_EQ(sink->arrived.size() - before, kSectors);
+  EXPECT_EQ(last, miss() + config.dram.ccd * (kSectors - 1));
+}
+
+TEST_F(Memory, a_stream_of_l2_hits_runs_at_one_sector_per_cycle) {
+  build();
+  constexpr std::uint64_t kSectors = 64;
+  for (std::uint64_t i = 0; i < kSectors; ++i) {
+    time(i * kSectorBytes);
+  }
+  const Cycles start = calendar.now();
+  for (std::uint64_t i = 0; i < kSectors; ++i) {
+    read(i * kSectorBytes);
+  }
+  drain(calendar);
+  EXPECT_EQ(sink->arrived.back().first - start, hit() + Cycles{kSectors - 1});
+}
+
+TEST_F(Memory, two_reads_of_a_sector_in_l2_flight_cost_one_dram_read) {
+  build();
+  read(0);
+  read(0);
+  drain(calendar);
+  EXPECT_EQ(sink->arrived.size(), 2u);
+  EXPECT_EQ(uut->dram_counts().reads, 1u);
+  EXPECT_EQ(uut->l2_counts().merges[static_cast<std::size_t>(Traffic::kNode)], 1u);
+  uut->check_drained();
+}
+
+TEST_F(Memory, full_l2_mshrs_delay_but_lose_nothing) {
+  config.l2.mshrs = 1;
+  build();
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    read(i * 4096);
+    read(i * 4096);
+  }
+  drain(calendar);
+  EXPECT_EQ(sink->arrived.size(), 16u);
+  EXPECT_GT(uut->l2_counts().mshr_full, 0u);
+  uut->check_drained();
+}
+
+TEST_F(Memory, an_evicted_dirty_sector_is_written_to_dram) {
+  config.l2.slice_capacity = Bytes{kLineBytes};
+  config.l2.ways = 1;
+  build();
+  uut->request(calendar.now(), 0, Address{0}, Traffic::kShader, true);
+  drain(calendar);
+  EXPECT_EQ(uut->dram_counts().writes, 0u);
+  time(kLineBytes);
+  EXPECT_EQ(uut->dram_counts().writes, 1u);
+  uut->check_drained();
+}
+
+TEST_F(Memory, neighbouring_chunks_go_to_different_slices) {
+  config.l2.channels = 4;
+  build();
+  const Cycles start = calendar.now();
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    read(i * config.l2.interleave.value);
+  }
+  drain(calendar);
+  // Four channels work at the same time; only the ports to and from the SM order them.
+  EXPECT_EQ(sink->arrived.back().first - start, miss() + config.dram.rcd + Cycles{3});
+}
+
+}  // namespace
+}  // namespace a2rt::timing::test

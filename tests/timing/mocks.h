@@ -1,0 +1,182 @@
+// Neighbours for the component under test.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "a2rt/timing/calendar.h"
+#include "a2rt/timing/l1_cache.h"
+#include "a2rt/timing/machine_config.h"
+#include "a2rt/timing/memory_port.h"
+#include "a2rt/timing/ray_source.h"
+#include "a2rt/timing/simulator.h"
+#include "a2rt/workload/workload.h"
+
+namespace a2rt::timing::test {
+
+// Runs the calendar until it is empty; returns the last cycle.
+inline Cycles drain(Calendar& calendar) {
+  while (calendar.step()) {
+  }
+  return calendar.now();
+}
+
+// Notes what it was woken with and when.
+class RecordingClient final : public Component {
+ public:
+  struct Wakeup {
+    Cycles when;
+    std::uint32_t what, value;
+  };
+  void wake(Cycles now, std::uint32_t what, std::uint32_t value) override {
+    wakeups.push_back({now, what, value});
+  }
+  std::string dump() const override { return "recording client\n"; }
+  void check_drained() const override {}
+  // Cycle of the first wake-up with `value`; fails the test's expectation with a huge number.
+  Cycles first(std::uint32_t value) const {
+    for (const Wakeup& w : wakeups) {
+      if (w.what == kL1Data && w.value == value) {
+        return w.when;
+      }
+    }
+    return Cycles{~std::uint64_t{0}};
+  }
+  std::vector<Wakeup> wakeups;
+};
+
+// Answers every read after a fixed time, or keeps it until release().
+class FixedLower final : public LowerLevel, public Component {
+ public:
+  FixedLower(Calendar& calendar, Cycles latency) : calendar_(calendar), latency_(latency) {}
+  SectorSink* sink = nullptr;
+  bool hold = false;
+  struct Seen {
+    Cycles leaves;
+    Address sector;
+    bool write;
+  };
+  std::vector<Seen> seen;
+
+  void request(Cycles leaves, std::uint32_t, Address sector, Traffic, bool write) override {
+    seen.push_back({leaves, sector, write});
+    if (!write && !hold) {
+      calendar_.at(leaves + latency_, *this, 0, static_cast<std::uint32_t>(seen.size() - 1));
+    }
+  }
+  void wake(Cycles now, std::uint32_t, std::uint32_t value) override {
+    sink->fill(now, seen[value].sector);
+  }
+  std::string dump() const override { return "fixed lower level\n"; }
+  void check_drained() const override {}
+
+ private:
+  Calendar& calendar_;
+  Cycles latency_;
+};
+
+// Runs a function at a given cycle.
+class At final : public Component {
+ public:
+  At(Calendar& calendar, Cycles when, std::function<void(Cycles)> what) : what_(std::move(what)) {
+    calendar.at(when, *this, 0);
+  }
+  void wake(Cycles now, std::uint32_t, std::uint32_t) override { what_(now); }
+  std::string dump() const override { return "scripted step\n"; }
+  void check_drained() const override {}
+
+ private:
+  std::function<void(Cycles)> what_;
+};
+
+// Rays whose events are written down in the test; a ray without script has none.
+class ScriptedSource final : public RaySource {
+ public:
+  std::map<std::uint32_t, std::vector<Event>> script;
+  std::vector<Event> everyone;  // for rays not in `script`
+  std::vector<std::uint32_t> order;
+  void events(std::uint32_t ray, std::vector<Event>& out) override {
+    order.push_back(ray);
+    const auto it = script.find(ray);
+    const std::vector<Event>& from = it == script.end() ? everyone : it->second;
+    out.insert(out.end(), from.begin(), from.end());
+  }
+};
+
+inline Event fetch(std::uint64_t address, std::uint32_t bytes = 32,
+                   Traffic kind = Traffic::kNode) {
+  return {EventKind::kFetch, kind, 1, bytes, address};
+}
+inline Event count_event(EventKind kind, std::uint16_t count = 1) {
+  return {kind, Traffic::kNone, count, 0, 0};
+}
+
+// `launches` launch ids in rows of `width`, each with `rays` rays and no shader work.
+inline Workload rays_only(std::uint32_t launches, std::uint32_t rays = 1, std::uint32_t width = 0) {
+  Workload w;
+  Dispatch d;
+  d.width = width == 0 ? launches : width;
+  d.height = launches == 0 ? 0 : launches / d.width;
+  for (std::uint32_t l = 0; l < launches; ++l) {
+    for (std::uint32_t r = 0; r < rays; ++r) {
+      Ray ray;
+      ray.launch = l;
+      ray.ordinal = r;
+      w.rays.push_back(ray);
+    }
+  }
+  d.ray_count = w.rays.size();
+  w.driver_hits.resize(w.rays.size());
+  w.candidate_first.assign(w.rays.size() + 1, 0);
+  w.dispatches.push_back(d);
+  return w;
+}
+
+// A segment of `counts` by launch `launch` in `shader`, ending with `ray`.
+inline Segment segment(std::uint32_t launch, std::uint32_t shader,
+                       std::array<std::uint32_t, 8> counts, std::uint32_t ray = kNone) {
+  return {launch, shader, counts, ray};
+}
+
+inline Shader shader(capture::Stage stage) { return {static_cast<std::uint32_t>(stage), 0, "main"}; }
+
+// Shaders only: one dispatch of `width` launch ids without rays.
+inline Workload shaders_only(std::uint32_t width, std::vector<Shader> shaders,
+                             std::vector<Segment> segments) {
+  Workload w;
+  w.shaders = std::move(shaders);
+  w.segments = std::move(segments);
+  Dispatch d;
+  d.width = width;
+  d.height = 1;
+  d.segment_count = w.segments.size();
+  w.dispatches.push_back(d);
+  w.candidate_first.assign(1, 0);
+  return w;
+}
+
+// One SM, one RT unit, plenty of testers; a test narrows what it is about.
+inline MachineConfig one_sm() {
+  MachineConfig c;
+  c.sm.count = 1;
+  for (TesterConfig& t : c.rt.testers) {
+    t = {256, Cycles{4}, Cycles{1}};
+  }
+  return c;
+}
+
+// What a run costs besides the rays' own time: the warp's return and its retirement.
+inline Cycles overhead(const MachineConfig& c) { return c.rt.return_latency + Cycles{1}; }
+
+inline Cycles cycles_of(const Workload& w, RaySource& source, const MachineConfig& config) {
+  return simulate(w, source, config).cycles;
+}
+
+// Latency of a read that misses L1 and hits L2, both ports free.
+inline Cycles l2_hit(const MachineConfig& c) {
+  return c.l1.latency + c.l2.crossbar_latency * 2 + c.l2.latency;
+}
+
+}  // namespace a2rt::timing::test

@@ -1,0 +1,273 @@
+// The RT unit: fetches, merging, testers, stack, contexts, warp buffer, round trips. Exact cycles.
+#include "a2rt/timing/rt_engine.h"
+
+#include <gtest/gtest.h>
+
+#include "mocks.h"
+
+namespace a2rt::timing::test {
+namespace {
+
+constexpr std::size_t kNode = static_cast<std::size_t>(Traffic::kNode);
+
+struct Rt : ::testing::Test {
+  MachineConfig config = one_sm();
+  ScriptedSource source;
+  SimulationResult run(std::uint32_t launches, std::uint32_t rays = 1) {
+    return simulate(rays_only(launches, rays), source, config);
+  }
+  // Cycles of the rays alone.
+  Cycles time(std::uint32_t launches, std::uint32_t rays = 1) {
+    return run(launches, rays).cycles - overhead(config);
+  }
+  // Puts the sectors of `events` in L1 by tracing one ray that reads them first.
+  std::vector<Event> twice(const std::vector<Event>& events) {
+    std::vector<Event> all = events;
+    all.insert(all.end(), events.begin(), events.end());
+    return all;
+  }
+};
+
+TEST_F(Rt, a_ray_without_events_costs_nothing_but_the_return) { EXPECT_EQ(time(1), Cycles{0}); }
+
+TEST_F(Rt, a_fetch_that_hits_l1_costs_exactly_the_l1_latency) {
+  source.everyone = {fetch(0)};
+  const Cycles once = time(1);
+  source.everyone = twice(source.everyone);
+  EXPECT_EQ(time(1) - once, config.l1.latency);
+}
+
+TEST_F(Rt, a_test_after_a_fetch_waits_for_the_data) {
+  source.everyone = {fetch(0)};
+  const Cycles alone = time(1);
+  source.everyone.push_back(count_event(EventKind::kBoxTest, 6));
+  EXPECT_EQ(time(1) - alone, config.rt.tester(Tester::kBox).latency);
+}
+
+TEST_F(Rt, six_boxes_of_a_node_are_six_tests_on_the_boxes_there_are) {
+  config.rt.tester(Tester::kBox) = {2, Cycles{6}, Cycles{1}};
+  source.everyone = {count_event(EventKind::kBoxTest, 6)};
+  EXPECT_EQ(time(1), Cycles{2 + 6});
+}
+
+TEST_F(Rt, rays_queue_for_a_single_tester) {
+  config.rt.tester(Tester::kTriangle) = {1, Cycles{27}, Cycles{2}};
+  source.everyone = {count_event(EventKind::kTriangleTest)};
+  EXPECT_EQ(time(32), Cycles{31 * 2 + 27});
+}
+
+TEST_F(Rt, the_port_sends_one_sector_per_cycle) {
+  source.everyone = {fetch(0, 256), fetch(0, 256)};
+  const SimulationResult once = run(1);
+  source.everyone.push_back(fetch(0, 256));
+  // All eight sectors are in L1: the last leaves in the eighth cycle.
+  EXPECT_EQ(run(1).cycles - once.cycles, config.l1.latency + Cycles{7});
+  EXPECT_EQ(once.rt.sectors_sent, 16u);
+}
+
+TEST_F(Rt, a_port_of_two_sectors_halves_the_sending) {
+  config.rt.port_sectors = 2;
+  source.everyone = {fetch(0, 256), fetch(0, 256)};
+  const Cycles once = run(1).cycles;
+  source.everyone.push_back(fetch(0, 256));
+  EXPECT_EQ(run(1).cycles - once, config.l1.latency + Cycles{3});
+}
+
+TEST_F(Rt, a_warp_of_identical_rays_costs_one_rays_fetches) {
+  for (std::uint64_t node = 0; node < 10; ++node) {
+    source.everyone.push_back(fetch(node * 4096, 64));
+    source.everyone.push_back(count_event(EventKind::kBoxTest, 6));
+  }
+  const SimulationResult one = run(1);
+  const SimulationResult warp = run(32);
+  EXPECT_EQ(warp.cycles, one.cycles);
+  EXPECT_EQ(warp.l1.reads, one.l1.reads);
+  EXPECT_EQ(warp.rt.sectors_sent, one.rt.sectors_sent);
+  EXPECT_EQ(warp.rt.sectors_wanted[kNode], 32 * one.rt.sectors_wanted[kNode]);
+}
+
+TEST_F(Rt, rays_that_read_different_lines_are_not_merged) {
+  for (std::uint32_t ray = 0; ray < 32; ++ray) {
+    source.script[ray] = {fetch(ray * 4096ull)};
+  }
+  EXPECT_EQ(run(32).rt.sectors_sent, 32u);
+}
+
+TEST_F(Rt, adjacent_records_of_two_kinds_are_one_read) {
+  source.everyone = {fetch(0, 90, Traffic::kGroupNode)};
+  const Cycles one = time(1);
+  source.everyone = {fetch(0, 45, Traffic::kGroupNode), fetch(45, 45, Traffic::kSubNode)};
+  const SimulationResult r = run(1);
+  EXPECT_EQ(r.cycles - overhead(config), one);
+  EXPECT_EQ(r.rt.sectors_sent, 3u);
+  EXPECT_EQ(r.rt.fetches[static_cast<std::size_t>(Traffic::kSubNode)], 1u);
+}
+
+TEST_F(Rt, a_stack_within_its_depth_causes_no_traffic) {
+  config.rt.stack_entries = 8;
+  source.everyone = {count_event(EventKind::kPush, 8)};
+  for (int i = 0; i < 8; ++i) {
+    source.everyone.push_back(count_event(EventKind::kPop));
+  }
+  const SimulationResult r = run(1);
+  EXPECT_EQ(r.rt.stores_sent, 0u);
+  EXPECT_EQ(r.cycles - overhead(config), Cycles{0});
+}
+
+TEST_F(Rt, one_entry_too_many_spills_one_sector_and_reads_it_back) {
+  config.rt.stack_entries = 8;
+  source.everyone = {count_event(EventKind::kPush, 9)};
+  for (int i = 0; i < 9; ++i) {
+    source.everyone.push_back(count_event(EventKind::kPop));
+  }
+  const SimulationResult r = run(1);
+  EXPECT_EQ(r.rt.stack_spills, 1u);
+  EXPECT_EQ(r.rt.stack_fills, 1u);
+  EXPECT_EQ(r.rt.stores_sent, 1u);
+  // The store takes the port in cycle 0, the load in cycle 1; it hits what the store left in L1.
+  EXPECT_EQ(r.cycles - overhead(config), Cycles{1} + config.l1.latency);
+}
+
+TEST_F(Rt, deeper_stacks_spill_four_entries_per_sector) {
+  config.rt.stack_entries = 8;
+  source.everyone = {count_event(EventKind::kPush, 24)};
+  for (int i = 0; i < 24; ++i) {
+    source.everyone.push_back(count_event(EventKind::kPop));
+  }
+  const SimulationResult r = run(1);
+  EXPECT_EQ(r.rt.stack_spills, 4u);
+  EXPECT_EQ(r.rt.stack_fills, 4u);
+}
+
+TEST_F(Rt, an_unlimited_stack_never_spills) {
+  config.rt.stack_entries = 0;
+  source.everyone = {count_event(EventKind::kPush, 1000)};
+  EXPECT_EQ(run(1).rt.stack_spills, 0u);
+}
+
+TEST_F(Rt, popping_more_than_was_pushed_is_an_error) {
+  source.everyone = {count_event(EventKind::kPop)};
+  EXPECT_THROW(run(1), InternalError);
+}
+
+Event context_pop() { return {EventKind::kContextPop, Traffic::kNone, 1, 45, 8192}; }
+
+TEST_F(Rt, a_context_kept_on_the_stack_comes_back_for_free) {
+  source.everyone = {count_event(EventKind::kContextPush), context_pop()};
+  EXPECT_EQ(time(1), Cycles{0});
+}
+
+TEST_F(Rt, a_refetched_context_costs_its_record_a_box_test_and_a_quantization) {
+  config.rt.tester(Tester::kAnchor).count = 0;
+  config.rt.context = ContextPolicy::kRefetch;
+  source.everyone = {fetch(8192, 45)};
+  const Cycles record = time(1);
+  source.everyone = {count_event(EventKind::kContextPush), context_pop()};
+  const SimulationResult r = run(1);
+  EXPECT_EQ(r.cycles - overhead(config), record + config.rt.tester(Tester::kBox).latency +
+                                             config.rt.tester(Tester::kQuantizer).latency);
+  EXPECT_EQ(r.rt.context_refetches, 1u);
+}
+
+TEST_F(Rt, a_refetched_anchor_costs_its_record_and_an_anchor_test) {
+  config.rt.context = ContextPolicy::kRefetch;
+  source.everyone = {fetch(8192, 45)};
+  const Cycles record = time(1);
+  source.everyone = {count_event(EventKind::kContextPush), context_pop()};
+  EXPECT_EQ(time(1), record + config.rt.tester(Tester::kAnchor).latency);
+}
+
+TEST_F(Rt, contexts_beyond_the_on_chip_stack_go_to_memory) {
+  config.rt.context_entries = 1;
+  source.everyone = {count_event(EventKind::kContextPush), count_event(EventKind::kContextPush),
+                     context_pop(), context_pop()};
+  const SimulationResult r = run(1);
+  EXPECT_EQ(r.rt.context_spills, 1u);
+  EXPECT_EQ(r.rt.context_fills, 1u);
+}
+
+TEST_F(Rt, a_full_warp_buffer_makes_the_next_warp_wait) {
+  config.rt.warps = 1;
+  config.sm.schedulers = 2;
+  source.everyone = {count_event(EventKind::kTransform)};
+  const Cycles latency = config.rt.tester(Tester::kTransform).latency;
+  EXPECT_EQ(time(64), latency * 2);
+  config.rt.warps = 2;
+  EXPECT_EQ(time(64), latency);
+}
+
+TEST_F(Rt, every_lane_cycle_and_every_unit_cycle_has_one_reason) {
+  source.everyone = {fetch(0, 64), count_event(EventKind::kBoxTest, 6)};
+  const SimulationResult r = run(20);
+  std::uint64_t unit = 0, lanes = 0;
+  for (const std::uint64_t c : r.rt_reasons) {
+    unit += c;
+  }
+  for (const std::uint64_t c : r.rt.lane_cycles) {
+    lanes += c;
+  }
+  EXPECT_EQ(unit, r.cycles.value);
+  EXPECT_EQ(lanes, 32 * r.rt.warp_cycles);
+  EXPECT_EQ(r.rt.lane_cycles[static_cast<std::size_t>(LaneReason::kInactive)],
+            12 * r.rt.warp_cycles);
+  EXPECT_EQ(r.rt_reasons[static_cast<std::size_t>(RtReason::kFetch)], 2u);
+  EXPECT_EQ(r.rt_reasons[static_cast<std::size_t>(RtReason::kTest)],
+            config.rt.tester(Tester::kBox).latency.value);
+}
+
+TEST_F(Rt, a_machine_without_the_tester_a_ray_needs_is_a_user_error) {
+  config.rt.tester(Tester::kQBox).count = 0;
+  source.everyone = {count_event(EventKind::kQBoxTest, 6)};
+  EXPECT_THROW(run(1), UserError);
+}
+
+TEST_F(Rt, full_mshrs_hold_up_the_port_and_are_named_as_the_reason) {
+  config.l1.mshrs = 1;
+  source.everyone = {fetch(0, 64)};
+  const SimulationResult r = run(1);
+  EXPECT_GT(r.rt_reasons[static_cast<std::size_t>(RtReason::kMshrFull)], 0u);
+  EXPECT_EQ(r.rt.sectors_sent, 2u);
+}
+
+// Any-hit: ray 0 of each launch leaves for the SM once.
+struct Candidates : Rt {
+  Workload workload(std::uint32_t lanes, std::uint32_t alu) {
+    Workload w = rays_only(lanes);
+    w.shaders = {shader(capture::Stage::kRayGeneration), shader(capture::Stage::kAnyHit)};
+    for (std::uint32_t l = 0; l < lanes; ++l) {
+      w.segments.push_back(segment(l, 0, {}, l));
+      w.segments.push_back(segment(l, 1, {alu}));
+    }
+    w.dispatches[0].segment_count = w.segments.size();
+    return w;
+  }
+};
+
+TEST_F(Candidates, a_round_trip_costs_both_ways_and_the_shader) {
+  config.sm.independent_instructions = 1;
+  source.everyone = {count_event(EventKind::kAnyHit, 0)};
+  const Cycles shader_time = config.sm.alu_latency * 10;
+  EXPECT_EQ(cycles_of(workload(1, 10), source, config) - overhead(config),
+            config.rt.callback_latency * 2 + shader_time);
+}
+
+TEST_F(Candidates, candidates_of_a_warp_are_judged_together) {
+  source.everyone = {count_event(EventKind::kAnyHit, 0)};
+  const SimulationResult one = simulate(workload(1, 10), source, config);
+  const SimulationResult all = simulate(workload(32, 10), source, config);
+  EXPECT_EQ(one.cycles, all.cycles);
+  EXPECT_EQ(all.rt.round_trips, 1u);
+  EXPECT_EQ(all.rt.candidates, 32u);
+}
+
+TEST_F(Candidates, a_threshold_of_one_lane_sends_a_candidate_before_the_others_are_ready) {
+  source.everyone = {count_event(EventKind::kTransform), count_event(EventKind::kAnyHit, 0)};
+  source.script[0] = {count_event(EventKind::kAnyHit, 0)};
+  config.rt.callback_lanes = 1;
+  EXPECT_EQ(simulate(workload(2, 10), source, config).rt.round_trips, 2u);
+  config.rt.callback_lanes = 0;
+  EXPECT_EQ(simulate(workload(2, 10), source, config).rt.round_trips, 1u);
+}
+
+}  // namespace
+}  // namespace a2rt::timing::test

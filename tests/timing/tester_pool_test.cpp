@@ -1,0 +1,54 @@
+// k tests on u testers of latency l and interval i, against the closed form.
+#include "a2rt/timing/tester_pool.h"
+
+#include <gtest/gtest.h>
+
+namespace a2rt::timing {
+namespace {
+
+using Case = std::tuple<std::uint32_t, std::uint32_t, std::uint64_t, std::uint64_t>;
+
+class Pool : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Pool, k_independent_tests_end_when_the_closed_form_says) {
+  const auto [tests, units, latency, interval] = GetParam();
+  TesterPool uut(units, Cycles{latency}, Cycles{interval}, ClockDomain(1, 1));
+  const std::uint64_t rounds = (tests + units - 1) / units;
+  const Cycles start{1000};
+  EXPECT_EQ(uut.issue(start, tests), start + Cycles{(rounds - 1) * interval + latency});
+  EXPECT_EQ(uut.tests(), tests);
+}
+
+TEST_P(Pool, the_same_tests_given_one_by_one_end_at_the_same_time) {
+  const auto [tests, units, latency, interval] = GetParam();
+  TesterPool together(units, Cycles{latency}, Cycles{interval}, ClockDomain(1, 1));
+  TesterPool apart(units, Cycles{latency}, Cycles{interval}, ClockDomain(1, 1));
+  Cycles last;
+  for (std::uint32_t i = 0; i < tests; ++i) {
+    last = apart.issue(Cycles{0}, 1);
+  }
+  EXPECT_EQ(together.issue(Cycles{0}, tests), last);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sweep, Pool,
+                         ::testing::Combine(::testing::Values(1u, 2u, 6u, 7u, 192u),
+                                            ::testing::Values(1u, 2u, 15u),
+                                            ::testing::Values(1u, 6u, 27u),
+                                            ::testing::Values(1u, 2u, 5u)));
+
+TEST(Pool, an_idle_tester_is_used_again_from_its_own_time_on) {
+  TesterPool uut(1, Cycles{3}, Cycles{2}, ClockDomain(1, 1));
+  EXPECT_EQ(uut.issue(Cycles{0}, 1), Cycles{3});
+  EXPECT_EQ(uut.issue(Cycles{1}, 1), Cycles{5});    // waits for the interval
+  EXPECT_EQ(uut.issue(Cycles{10}, 1), Cycles{13});  // no wait
+  EXPECT_EQ(uut.queued_cycles(), 1u);
+}
+
+TEST(Pool, testers_at_half_the_core_clock_take_twice_the_core_cycles) {
+  TesterPool uut(1, Cycles{6}, Cycles{1}, ClockDomain(500, 1000));
+  EXPECT_EQ(uut.issue(Cycles{0}, 2), Cycles{14});
+  EXPECT_EQ(uut.issue(Cycles{21}, 1), Cycles{34});  // next own edge is core cycle 22
+}
+
+}  // namespace
+}  // namespace a2rt::timing
