@@ -1,5 +1,6 @@
 #include "a2rt/arith/oracle.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -93,10 +94,10 @@ bool ray_meets_box(const OracleRay& ray, const Box& box, float tmax, OracleStage
     const double far = ((negative ? box.lo[a] : box.hi[a]) - ray.origin[a]) * ray.rcp[a];
     const double near_slack = std::fabs(near) * kWiden;
     const double far_slack = std::fabs(far) * kWiden;
-    near_low = std::fmax(near_low, near - near_slack);
-    near_high = std::fmax(near_high, near + near_slack);
-    far_low = std::fmin(far_low, far - far_slack);
-    far_high = std::fmin(far_high, far + far_slack);
+    near_low = std::max(near_low, near - near_slack);
+    near_high = std::max(near_high, near + near_slack);
+    far_low = std::min(far_low, far - far_slack);
+    far_high = std::min(far_high, far + far_slack);
   }
   if (near_high <= far_low) {
     return true;

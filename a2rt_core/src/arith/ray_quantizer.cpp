@@ -6,17 +6,14 @@
 #include <limits>
 
 #include "a2rt/arith/directed.h"
+#include "ray_quantizer_limits.h"
+#include "ray_quantizer_vector.h"
 
 namespace a2rt::arith {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr float kUnit = 0x1p-24F;  // relative rounding error of FP32
 constexpr std::size_t kAxes = 3;
-
-// |g| = |d| S is used as computed only inside this range; see substitute_rates.
-constexpr float kLeastRate = 0x1p-112F;
-constexpr float kMostRate = 0x1p124F;
 
 float floor_small(float x) {  // |x| < 2^23
   const auto truncated = static_cast<float>(static_cast<int>(x));
@@ -93,7 +90,7 @@ RayQuantizer::Rates RayQuantizer::rates(float dir, float scale) const {
   if (mutant(Mutant::kReciprocalSwapped)) {
     return {round_far(m), round_near(m)};
   }
-  return {round_near(m * (1 - 4 * kUnit)), round_far(m * (1 + 6 * kUnit))};
+  return {round_near(m * kRateNearPad), round_far(m * kRateFarPad)};
 }
 
 // Outside that range, values that hold for every such rate:
@@ -127,20 +124,20 @@ RayQuantizer::Rates RayQuantizer::substitute_rates(float dir, float rate) const 
 // escapes.
 bool RayQuantizer::conservative_origin(const QuantizerRay& ray, const GroupFrame& frame,
                                        float t_shift, float lowest[3], float highest[3]) const {
-  constexpr float kSlack = kUnit * (1 + 0x1p-20F);
   bool inside = true;
   for (std::size_t a = 0; a < kAxes; ++a) {
     const float from_lo = ray.origin[a] - frame.lo[a];
     const float moved = t_shift * ray.dir[a];
     const float at = from_lo + moved;
-    float bound = (std::fabs(from_lo) + std::fabs(moved) + 4 * std::fabs(at)) * kSlack + 0x1p-147F;
+    float bound = (std::fabs(from_lo) + std::fabs(moved) + 4 * std::fabs(at)) * kOriginSlack +
+                  kOriginUnderflow;
     if (mutant(Mutant::kOriginNoErrorBound)) {
       bound = 0;
     }
     if (mutant(Mutant::kOriginBoundForgetsShift)) {
-      bound = 4 * std::fabs(at) * kSlack;
+      bound = 4 * std::fabs(at) * kOriginSlack;
     }
-    const float tiny = mutant(Mutant::kOriginNoErrorBound) ? 0.0F : 0x1p-100F;
+    const float tiny = mutant(Mutant::kOriginNoErrorBound) ? 0.0F : kOriginHair;
     lowest[a] = (at - bound) * frame.scale[a] - tiny;
     highest[a] = (at + bound) * frame.scale[a] + tiny;
     // These limits keep the conversion to integers in range; the exact ones are tested on the
@@ -206,6 +203,24 @@ void RayQuantizer::set_tables(GroupRay& out) const {
 
 GroupEntry RayQuantizer::enter(const QuantizerRay& ray, const GroupFrame& frame, float t_shift,
                                GroupRay& out) const {
+  if (precision_.conservative() && precision_.direction.fp32_range()) {
+    const VectorQuantizer vector{min_origin_,
+                                 max_origin_,
+                                 offset_,
+                                 dropped_bits_,
+                                 precision_.direction.significand_bits,
+                                 precision_.multiplier_columns > 0};
+    const VectorQuantizer::Result result = vector.enter(ray, frame, t_shift, out);
+    if (result != VectorQuantizer::Result::kUnsupported) {
+      return result == VectorQuantizer::Result::kQuantized ? GroupEntry::kQuantized
+                                                           : GroupEntry::kEscaped;
+    }
+  }
+  return enter_scalar(ray, frame, t_shift, out);
+}
+
+GroupEntry RayQuantizer::enter_scalar(const QuantizerRay& ray, const GroupFrame& frame,
+                                      float t_shift, GroupRay& out) const {
   float lowest[3];
   float highest[3];
   const bool inside = precision_.conservative()

@@ -35,6 +35,50 @@ TEST(SlabBlock, IsBitEqualToTheScalarTest) {
   }
 }
 
+void expect_same(const GroupRay& a, const GroupRay& b, bool tables, const std::string& what) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    ASSERT_EQ(a.near_origin[axis], b.near_origin[axis]) << what;
+    ASSERT_EQ(a.far_origin[axis], b.far_origin[axis]) << what;
+    ASSERT_EQ(a.near_rate[axis], b.near_rate[axis]) << what;
+    ASSERT_EQ(a.far_rate[axis], b.far_rate[axis]) << what;
+    if (tables) {
+      ASSERT_EQ(a.near_unit[axis], b.near_unit[axis]) << what;
+      ASSERT_EQ(a.far_unit[axis], b.far_unit[axis]) << what;
+      ASSERT_EQ(a.near_row[axis], b.near_row[axis]) << what;
+      ASSERT_EQ(a.far_row[axis], b.far_row[axis]) << what;
+    }
+  }
+  ASSERT_EQ(a.t_shift, b.t_shift) << what;
+  ASSERT_EQ(a.negative, b.negative) << what;
+}
+
+TEST(RayQuantizerVector, IsBitEqualToTheScalarCode) {
+  Random random(9);
+  std::uint64_t compared = 0;
+  for (std::uint32_t i = 0; i < 60'000; ++i) {
+    const Stratum s = stratum(i % kStrata);
+    const auto& precisions = conservative_precisions();
+    const A2rtPrecision& precision = precisions[i % precisions.size()];
+    const TestGroup group = make_group(random, s);
+    const TestRay ray = make_ray(random, s, group);
+    const RayQuantizer quantizer(precision);
+    const GroupFrame frame = make_group_frame(group.box, precision);
+    const QuantizerRay q = make_quantizer_ray(ray.origin, ray.direction);
+    const SlabHit entry =
+        slab_test(make_slab_ray(ray.origin, ray.direction, ray.tmin), group.box, ray.tmax);
+    GroupRay vector;
+    GroupRay scalar;
+    const GroupEntry result = quantizer.enter(q, frame, entry.t_entry, vector);
+    ASSERT_EQ(result, quantizer.enter_scalar(q, frame, entry.t_entry, scalar)) << describe(ray);
+    if (result == GroupEntry::kQuantized) {
+      ++compared;
+      const bool tables = precision.multiplier_columns > 0 && precision.direction.fp32_range();
+      expect_same(vector, scalar, tables, name_of(precision) + " " + describe(ray));
+    }
+  }
+  EXPECT_GT(compared, 20'000U);
+}
+
 // All precisions the vector kernels serve, including those without a guarantee.
 std::vector<A2rtPrecision> kernel_precisions() {
   std::vector<A2rtPrecision> all = conservative_precisions();

@@ -52,6 +52,9 @@ class RayQuantizer {
   // t_shift: SlabHit::t_entry of the group's box. `out` is valid only if kQuantized is returned.
   GroupEntry enter(const QuantizerRay& ray, const GroupFrame& frame, float t_shift,
                    GroupRay& out) const;
+  // The same without vector instructions; bit-equal.
+  GroupEntry enter_scalar(const QuantizerRay& ray, const GroupFrame& frame, float t_shift,
+                          GroupRay& out) const;
   // Remaining interval for the tester: t_closest - t_shift rounded up to the direction format,
   // at most the format's largest finite number. t_closest >= t_shift; inf allowed.
   float remaining(float t_closest, float t_shift) const;
