@@ -1,7 +1,5 @@
 // Trees in the driver's layout for workloads that never met the driver.
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "a2rt/base/error.h"
@@ -29,8 +27,6 @@ class Builder {
       box_node(0, count(), bounds);
     } else {
       BoxNode only{};
-      const float nan = std::numeric_limits<float>::quiet_NaN();
-      only.bounds[0] = only.bounds[1] = {{nan, nan, nan}, {nan, nan, nan}};
       only.children[0] = only.children[1] = kInvalidNode;
       if (count() == 1) {
         only.children[0] = child(0, 1, only.bounds[0]);
