@@ -13,7 +13,7 @@ from a2rt_cli import options
 from a2rt_cli.setup.needs import Need
 
 EXAMPLES = """  scripts/a2rt sweep lumibench_configs/experiments/price-of-accuracy.toml
-  scripts/a2rt sweep lumibench_configs/experiments/smoke.toml --dry-run
+  scripts/a2rt sweep smoke --dry-run
   scripts/a2rt sweep my.toml -o out/my --parallel 8
   scripts/a2rt sweep my.toml --profile slurm --dry-run
   scripts/a2rt sweep my.toml --search --trials 60
@@ -22,7 +22,7 @@ NEED = Need.SWEEP
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("experiment", metavar="experiment.toml")
+    parser.add_argument("experiment", metavar="EXPERIMENT", help="name or .toml file")
     parser.add_argument("--scenes", type=options.names_list, help="instead of the experiment's")
     parser.add_argument("--dry-run", action="store_true", help="only say what would run")
     parser.add_argument(
@@ -39,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
     from a2rt_cli.report import price_page
     from a2rt_cli.sweep import plan, search, workflow
 
-    experiment = plan.load(Path(args.experiment), args.scenes)
+    experiment = plan.load(plan.find(args.experiment), args.scenes)
     out = Path(args.output or Path("out") / "sweep" / experiment.name)
     if args.search:
         best = search.run(experiment, out, args.trials, args.parallel)

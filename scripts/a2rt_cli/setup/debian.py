@@ -28,6 +28,7 @@ class Package:
     name: str
     least: str = ""  # least upstream version, e.g. "25.0"
     backports: bool = False
+    tests_only: bool = False
 
 
 @dataclass(frozen=True)
@@ -47,14 +48,18 @@ def read_packages(text: str) -> list[Package]:
         if not words:
             continue
         if words[0] == "backports:":
-            packages.append(Package(words[1], words[2], True))
+            packages.append(Package(words[1], words[2], backports=True))
+        elif words[0] == "tests:":
+            packages.append(Package(words[1], tests_only=True))
         else:
             packages.append(Package(words[0]))
     return packages
 
 
-def wanted_packages() -> list[Package]:
-    return read_packages(PACKAGE_FILE.read_text(encoding="utf-8"))
+def wanted_packages(tests: bool = False) -> list[Package]:
+    """What the commands need; with `tests`, also what only the tests need."""
+    everything = read_packages(PACKAGE_FILE.read_text(encoding="utf-8"))
+    return [package for package in everything if tests or not package.tests_only]
 
 
 def codename() -> str:
@@ -158,8 +163,8 @@ def upstream_at_least(version: str, least: str) -> bool:
     return numbers(version) >= numbers(least)
 
 
-def missing_packages() -> list[Package]:
-    wanted = wanted_packages()
+def missing_packages(tests: bool = False) -> list[Package]:
+    wanted = wanted_packages(tests)
     have = installed_versions([package.name for package in wanted])
     return [
         package

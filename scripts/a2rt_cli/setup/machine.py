@@ -28,22 +28,23 @@ def _packages_key() -> str:
     )
 
 
-def _stamped(key: str) -> str | None:
+def _stamps() -> dict[str, str]:
     try:
-        return json.loads(_STAMP.read_text(encoding="utf-8")).get(key)
+        return json.loads(_STAMP.read_text(encoding="utf-8"))
     except (OSError, ValueError):
-        return None
+        return {}
 
 
-def _ensure_packages() -> None:
-    if _stamped("packages") == _packages_key():
+def _ensure_packages(tests: bool) -> None:
+    stamp, key = ("test_packages" if tests else "packages"), _packages_key()
+    if _stamps().get(stamp) == key:
         return
-    missing = debian.missing_packages()
+    missing = debian.missing_packages(tests)
     if missing:
         console.note(f"Packages to install: {' '.join(package.name for package in missing)}")
         with console.step("Installing packages") as shown:
             debian.install(missing, shown.update)
-        left = debian.missing_packages()
+        left = debian.missing_packages(tests)
         if left:
             raise UserError(
                 f"still missing after the installation: {', '.join(p.name for p in left)}",
@@ -58,7 +59,8 @@ def _ensure_packages() -> None:
                 "lavapipe of Mesa 25.0 or later is needed (package mesa-vulkan-drivers; on "
                 "Debian 12 from bookworm-backports); run: scripts/a2rt doctor",
             )
-    write_json(_STAMP, {"packages": _packages_key()})
+    # The installation may have changed what the key is made of.
+    write_json(_STAMP, {**_stamps(), stamp: _packages_key()})
 
 
 def _ensure_python(need: Need) -> None:
@@ -74,7 +76,7 @@ def _ensure_python(need: Need) -> None:
 
 def prepare(need: Need) -> None:
     """Makes `need` true or raises UserError. Prints nothing on a machine that is ready."""
-    _ensure_packages()
+    _ensure_packages(tests=need is Need.TESTS)
     _ensure_python(need)
     if need >= Need.ENGINE:
         build.ensure(tests=need is Need.TESTS)

@@ -20,7 +20,7 @@ def requirement_files(need: Need) -> list[Path]:
     files = [SCRIPTS / "requirements.txt"]
     if need is Need.TESTS:
         files.append(SCRIPTS / "requirements-dev.txt")
-    if need is Need.SWEEP:
+    if need in (Need.TESTS, Need.SWEEP):
         files.append(SCRIPTS / "requirements-sweep.txt")
     return files
 

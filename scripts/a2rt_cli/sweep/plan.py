@@ -16,6 +16,7 @@ from a2rt_cli.errors import UserError
 from a2rt_cli.experiment import Experiment
 from a2rt_cli.files import hash_values, read_json, write_json, write_text
 
+find = experiment.find
 load = experiment.load
 
 
