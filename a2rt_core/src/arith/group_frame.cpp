@@ -12,6 +12,15 @@ namespace {
 
 constexpr float kLargest = std::numeric_limits<float>::max();
 
+// A flat axis has no extent to derive a scale from. The finer it is, the shorter the stretch of ray
+// that a level's uncertainty across the plane lets through along the others; too fine, and a far
+// origin's FP32 error exceeds the origin's range. 16 halved the redundant hits of flat groups (1.5
+// % to 0.8 % of true misses) without escapes up to 2^12 extents away; the guard design, with its
+// one spare level, would escape on 5 % of those pairs and keeps 1.
+float flat_axis_refinement(const A2rtPrecision& precision) {
+  return precision.origin == OriginDesign::kWide ? 16 : 1;
+}
+
 float literal_scale(float lo, float hi, int steps) {
   const float scale = static_cast<float>(steps) / (hi - lo);
   return std::isfinite(scale) && scale > 0 ? scale : kLargest;
@@ -65,7 +74,7 @@ GroupFrame make_group_frame(const Box& box, const A2rtPrecision& precision,
     } else if (precision.scales == ScaleSharing::kSingle) {
       frame.scale[a] = smallest;
     } else if (frame.scale[a] == 0) {
-      frame.scale[a] = largest;
+      frame.scale[a] = std::min(largest * flat_axis_refinement(precision), kLargest);
     }
   }
   return frame;

@@ -53,7 +53,11 @@ TEST(Frames, FlatAxesTakeTheFinestOtherScale) {
   const GroupFrame flat = make_group_frame({{0, 3, 0}, {10, 3, 1}}, precision);
   EXPECT_EQ(flat.scale.z, 255);
   EXPECT_EQ(flat.scale.x, 25.5F);
-  EXPECT_EQ(flat.scale.y, flat.scale.z);
+  EXPECT_EQ(flat.scale.y, 16 * flat.scale.z);
+  A2rtPrecision guard;
+  guard.origin = OriginDesign::kGuard;
+  const GroupFrame guarded = make_group_frame({{0, 3, 0}, {10, 3, 1}}, guard);
+  EXPECT_EQ(guarded.scale.y, guarded.scale.z);
   const GroupFrame point = make_group_frame({{1, 2, 3}, {1, 2, 3}}, precision);
   EXPECT_EQ(point.scale, (Vec3{1, 1, 1}));
 }

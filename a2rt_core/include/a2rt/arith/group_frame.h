@@ -6,8 +6,8 @@
 //           and hence ceil(l*S) <= N. Extents beyond FLT_MAX (lo < 0 < hi) are handled in FP64;
 //           S is never denormal because l <= 2^129. For denormal extents S is capped at FLT_MAX:
 //           boxes then use few levels, which is coarse but conservative.
-//   l = 0 : every S quantizes exactly; S = the largest scale of the other axes (finest resolution
-//           of the group), 1 if all are zero.
+//   l = 0 : every S quantizes exactly; S = the largest scale of the other axes (wide design: 16
+//           times that), 1 if all are zero.
 //   single: the smallest of the axes' scales on all axes.
 //   literal: S = fl(N / fl(l)), unguarded, FLT_MAX where that is not finite.
 #pragma once
