@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "a2rt/arith/aqb8_arith.h"
 #include "a2rt/base/error.h"
 #include "a2rt/workload/workload.h"
 
@@ -99,7 +100,7 @@ class Program {
       const double stay = 2 * config_.t_trv_int * a + sums[k];
       const double change = (2 * config_.t_trv_int + config_.t_switch) * a + sums[d];
       // A box without extent has no scale, so it cannot anchor (the artifact aborts there).
-      const bool opens = change < stay && path_[d].sx > 0;
+      const bool opens = change < stay && arith::aqb8_can_anchor(r.box);
       choice_[offset_[v] + k] = opens;
       rows_[d - 1][k] += opens ? change : stay;
     }

@@ -72,11 +72,10 @@ A2rtLayout encode_a2rt(const WideBvh& bvh, const Classification& classes,
   const std::uint32_t sub_bytes = a2rt_sub_bytes(precision);
   std::uint64_t total = 0;
   layout.offset = place(bvh, classes, sub_bytes, alignment, total, what);
-  layout.bytes.reserve(total);
   layout.qbox.resize(bvh.records.size());
   std::vector<arith::GroupFrame> frames(bvh.records.size());
-  ByteWriter out(layout.bytes);
-  for (std::uint32_t i = 0; i < bvh.records.size(); ++i) {
+  ByteWriter out(layout.bytes, total);
+  const auto write = [&](std::uint32_t i) {
     const BvhRecord& r = bvh.records[i];
     out.pad_to(layout.offset[i]);
     out.u8((classes.is_group[i] != 0 ? kGroupBit : 0U) | (r.leaf() ? kLeafField : 0U));
@@ -91,7 +90,14 @@ A2rtLayout encode_a2rt(const WideBvh& bvh, const Classification& classes,
       write_planes(out, layout.qbox[i], precision.box_bits);
     }
     write_range(out, r, layout.offset, classes, sub_bytes);
+  };
+  write(0);
+  for (const BvhRecord& parent : bvh.records) {
+    for (std::uint32_t c = 0; !parent.leaf() && c < parent.count; ++c) {
+      write(parent.first + c);
+    }
   }
+  out.finish();
   return layout;
 }
 

@@ -60,9 +60,9 @@ Aqb8Layout encode_aqb8(const WideBvh& bvh, const Clustering& clusters, std::uint
   }
   check_boxes(bvh, what);
   Aqb8Layout layout;
-  ByteWriter anchors(layout.anchor_bytes), nodes(layout.node_bytes);
+  ByteWriter anchors(layout.anchor_bytes, clusters.clusters.size() * kAqb8AnchorBytes);
+  ByteWriter nodes(layout.node_bytes, clusters.order.size() * record_bytes);
   layout.boxes.reserve(clusters.order.size());
-  layout.node_bytes.reserve(clusters.order.size() * record_bytes);
   for (const Cluster& c : clusters.clusters) {
     layout.anchors.push_back(arith::make_aqb8_anchor(
         bvh.records[c.anchor].box, what + ", anchor node " + std::to_string(c.anchor)));
@@ -83,6 +83,8 @@ Aqb8Layout encode_aqb8(const WideBvh& bvh, const Clustering& clusters, std::uint
       }
     }
   }
+  anchors.finish();
+  nodes.finish();
   return layout;
 }
 

@@ -42,8 +42,7 @@ Fp32Layout encode_fp32(const WideBvh& bvh, std::uint32_t record_bytes, std::uint
   if (total > std::numeric_limits<std::uint32_t>::max()) {
     throw UserError(what + ": its nodes exceed the 4 GiB that 4-byte addresses reach");
   }
-  layout.bytes.reserve(total);
-  ByteWriter out(layout.bytes);
+  ByteWriter out(layout.bytes, total);
   for (std::size_t i = 0; i < bvh.records.size(); ++i) {
     const BvhRecord& r = bvh.records[i];
     const std::uint64_t start = r.leaf() ? r.first : layout.offset[r.first];
@@ -55,6 +54,7 @@ Fp32Layout encode_fp32(const WideBvh& bvh, std::uint32_t record_bytes, std::uint
     out.u8(r.leaf() ? 0xff : 0);
     out.pad_to(layout.offset[i] + record_bytes);
   }
+  out.finish();
   return layout;
 }
 

@@ -124,6 +124,7 @@ std::vector<std::byte> encode_cwbvh(const WideBvh& bvh, const std::string& what)
       }
     }
   }
+  out.finish();
   return bytes;
 }
 
@@ -176,6 +177,7 @@ std::vector<std::byte> encode_multi_leaf(const WideBvh& bvh, std::uint32_t recor
     }
     out.u8(bvh.records[c].count);
   }
+  out.finish();
   return bytes;
 }
 

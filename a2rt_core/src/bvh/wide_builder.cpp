@@ -9,13 +9,13 @@
 #endif
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <string>
 #include <vector>
 
 #include "a2rt/base/error.h"
+#include "a2rt/base/thread_clock.h"
 
 namespace a2rt::bvh {
 namespace {
@@ -154,7 +154,7 @@ RTCBuildArguments build_arguments(const WideBuildConfig& config, RTCBVH tree,
 template <class Primitive>
 WideBvh build_tree(RTCDevice device, const WideBuildConfig& config,
                    std::span<const Primitive> all) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = thread_seconds();
   WideBvh bvh;
   bvh.width = config.branching;
   std::vector<RTCBuildPrimitive> primitives = build_primitives(all);
@@ -177,8 +177,7 @@ WideBvh build_tree(RTCDevice device, const WideBuildConfig& config,
   flatten(root, bvh);
   rtcReleaseBVH(tree);
   fit_boxes(all, bvh);
-  bvh.build_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  bvh.build_seconds = thread_seconds() - start;
   return bvh;
 }
 

@@ -5,11 +5,10 @@
 
 namespace a2rt::rt {
 
-A2rtTree A2rtTree::mirror(const bvh::WideBvh& tree, const bvh::Classification& classes,
+A2rtTree A2rtTree::mirror(bvh::WideBvh& tree, const bvh::Classification& classes,
                           bvh::A2rtLayout layout, const arith::QBoxTester& tester,
                           const arith::A2rtPrecision& precision) {
   A2rtTree result;
-  result.records_ = tree.records;
   result.layout_ = std::move(layout);
   if (tree.empty()) {
     return result;
@@ -23,7 +22,8 @@ A2rtTree A2rtTree::mirror(const bvh::WideBvh& tree, const bvh::Classification& c
                        : bvh::ChildRef::inner(number[i], classes.is_group[i] != 0);
   }
   result.root_ = refs[0];
-  result.nodes_.reserve(tree.inner_count());
+  result.stride_ = 1 + (tester.block_bytes() + sizeof(Line) - 1) / sizeof(Line);
+  result.lines_.resize(tree.inner_count() * result.stride_);
   for (std::uint32_t i = 0; i < tree.records.size(); ++i) {
     const bvh::BvhRecord& r = tree.records[i];
     if (r.leaf()) {
@@ -34,12 +34,13 @@ A2rtTree A2rtTree::mirror(const bvh::WideBvh& tree, const bvh::Classification& c
       result.frames_.push_back(
           {arith::make_group_frame(r.box, precision), result.layout_.offset[i]});
     }
-    result.add_node(tree, classes, refs, i, frame_of[classes.group[i]], tester);
+    result.add_node(tree, classes, refs, i, frame_of[classes.group[i]], tester, number[i]);
   }
   const Box& box = tree.records[0].box;
   for (std::size_t a = 0; a < 3; ++a) {
     result.largest_ = std::max({result.largest_, std::fabs(box.lo[a]), std::fabs(box.hi[a])});
   }
+  result.records_ = std::move(tree.records);
   result.layout_.offset = {};
   result.layout_.qbox = {};
   return result;
@@ -47,10 +48,10 @@ A2rtTree A2rtTree::mirror(const bvh::WideBvh& tree, const bvh::Classification& c
 
 void A2rtTree::add_node(const bvh::WideBvh& tree, const bvh::Classification& classes,
                         const std::vector<bvh::ChildRef>& refs, std::uint32_t record,
-                        std::uint32_t frame, const arith::QBoxTester& tester) {
+                        std::uint32_t frame, const arith::QBoxTester& tester, std::uint32_t index) {
   const bvh::BvhRecord& r = tree.records[record];
-  A2rtNode& node = nodes_.emplace_back();
-  tester.clear(node.planes);
+  A2rtNode& node = *::new (lines_.data() + index * stride_) A2rtNode;
+  tester.clear(node.planes());
   node.frame = frame;
   node.first_record = r.first;
   node.fetch_offset = layout_.offset[r.first];
@@ -59,7 +60,7 @@ void A2rtTree::add_node(const bvh::WideBvh& tree, const bvh::Classification& cla
     const std::uint32_t child = r.first + s;
     node.children[s] = refs[child];
     if (classes.is_group[child] == 0) {
-      tester.put(node.planes, s, layout_.qbox[child]);
+      tester.put(node.planes(), s, layout_.qbox[child]);
       continue;
     }
     if (node.group_count++ == 0) {

@@ -88,7 +88,7 @@ std::uint32_t A2rtUnit::test_escaped(const Tree& tree, const A2rtNode& node, con
   arith::BoxBlock boxes;
   const arith::GroupFrame& frame = tree.frame(context.frame).frame;
   for (std::uint32_t s = node.group_count; s < node.count; ++s) {
-    boxes.put(s, arith::dequantize_box(tester_.get(node.planes, s), frame, precision()));
+    boxes.put(s, arith::dequantize_box(tester_.get(node.planes(), s), frame, precision()));
   }
   return arith::slab_test_block(space.slab, boxes, closest, keys);
 }

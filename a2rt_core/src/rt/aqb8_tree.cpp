@@ -2,10 +2,9 @@
 
 namespace a2rt::rt {
 
-Aqb8Tree Aqb8Tree::mirror(const bvh::WideBvh& tree, const bvh::Clustering& clusters,
+Aqb8Tree Aqb8Tree::mirror(bvh::WideBvh& tree, const bvh::Clustering& clusters,
                           bvh::Aqb8Layout layout) {
   Aqb8Tree result;
-  result.records_ = tree.records;
   result.layout_ = std::move(layout);
   result.clusters_ = clusters.clusters;
   if (tree.empty()) {
@@ -29,6 +28,7 @@ Aqb8Tree Aqb8Tree::mirror(const bvh::WideBvh& tree, const bvh::Clustering& clust
   for (const std::uint32_t record : clusters.order) {
     result.refs_.push_back(ref(record));
   }
+  result.records_ = std::move(tree.records);
   return result;
 }
 

@@ -5,9 +5,8 @@
 
 namespace a2rt::rt {
 
-BoxTree BoxTree::mirror(const bvh::WideBvh& tree, const std::vector<Box>& boxes) {
+BoxTree BoxTree::mirror(bvh::WideBvh& tree, const std::vector<Box>& boxes) {
   BoxTree result;
-  result.records_ = tree.records;
   if (tree.empty()) {
     return result;
   }
@@ -35,6 +34,7 @@ BoxTree BoxTree::mirror(const bvh::WideBvh& tree, const std::vector<Box>& boxes)
       }
     }
   }
+  result.records_ = std::move(tree.records);
   return result;
 }
 

@@ -1,9 +1,11 @@
 // Little-endian packing of records, byte by byte, independent of the host.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -12,17 +14,25 @@
 
 namespace a2rt::bvh {
 
+// Writes from the front of a vector, which grows as needed and is cut to size by finish().
 class ByteWriter {
  public:
-  explicit ByteWriter(std::vector<std::byte>& out) : out_(out) {}
-  void u8(std::uint32_t v) { out_.push_back(static_cast<std::byte>(v & 0xffU)); }
+  explicit ByteWriter(std::vector<std::byte>& out, std::size_t expected = 0) : out_(out) {
+    out_.resize(expected);
+  }
+
+  void u8(std::uint32_t v) { *claim(1) = static_cast<std::byte>(v & 0xffU); }
   void u16(std::uint32_t v) {
     u8(v);
     u8(v >> 8);
   }
   void u32(std::uint32_t v) {
-    u16(v);
-    u16(v >> 16);
+    if constexpr (std::endian::native == std::endian::little) {
+      std::memcpy(claim(4), &v, 4);
+    } else {
+      u16(v);
+      u16(v >> 16);
+    }
   }
   void f32(float v) { u32(std::bit_cast<std::uint32_t>(v)); }
   void vec3(const Vec3& v) {
@@ -34,7 +44,10 @@ class ByteWriter {
     vec3(b.lo);
     vec3(b.hi);
   }
-  // `bits` low bits of v, least significant first; bit fields end with align().
+  void raw(std::span<const std::byte> bytes) {
+    std::copy(bytes.begin(), bytes.end(), claim(bytes.size()));
+  }
+  // `count` low bits of v, least significant first; bit fields end with align().
   void bits(std::uint32_t v, int count) {
     for (int i = 0; i < count; ++i) {
       pending_ |= ((v >> i) & 1U) << pending_bits_;
@@ -50,14 +63,29 @@ class ByteWriter {
       pending_bits_ = 0;
     }
   }
+  // Zeros up to byte `size`.
   void pad_to(std::size_t size) {
-    A2RT_CHECK(out_.size() <= size, "a record is longer than its slot");
-    out_.resize(size);
+    A2RT_CHECK(at_ <= size, "a record is longer than its slot");
+    const std::size_t n = size - at_;
+    std::fill_n(claim(n), n, std::byte{0});
   }
-  std::size_t size() const { return out_.size(); }
+  std::size_t size() const { return at_; }
+  // Cuts the vector to what was written; call it last.
+  void finish() { out_.resize(at_); }
 
  private:
+  // Room for n more bytes.
+  std::byte* claim(std::size_t n) {
+    start_ = at_;
+    at_ += n;
+    if (at_ > out_.size()) {
+      out_.resize(std::max(at_, 2 * out_.size()));
+    }
+    return out_.data() + start_;
+  }
+
   std::vector<std::byte>& out_;
+  std::size_t at_ = 0, start_ = 0;
   std::uint32_t pending_ = 0;
   int pending_bits_ = 0;
 };

@@ -138,19 +138,23 @@ class A2rtUnit {
     const Address at = tree.base() + Bytes{node.fetch_offset};
     const std::uint64_t group_bytes = std::uint64_t{node.group_count} * bvh::kA2rtGroupBytes;
     const std::uint32_t subs = std::uint32_t{node.count} - node.group_count;
+    // One read of adjacent bytes, told apart by kind; then all tests.
     if (node.group_count > 0) {
       sink.fetch(Traffic::kGroupNode, at, group_bytes);
-      sink.count(EventKind::kBoxTest, node.group_count);
     }
-    if (subs == 0) {
-      return;
+    if (subs > 0) {
+      sink.fetch(Traffic::kSubNode, at + Bytes{group_bytes}, std::uint64_t{subs} * sub_bytes_);
     }
-    sink.fetch(Traffic::kSubNode, at + Bytes{group_bytes}, std::uint64_t{subs} * sub_bytes_);
-    if (context.escaped) {
+    if (context.escaped && subs > 0) {
       sink.count(EventKind::kEscape, subs);
       sink.count(EventKind::kDequantize, subs);
-      sink.count(EventKind::kBoxTest, subs);
-    } else {
+      sink.count(EventKind::kBoxTest, node.count);
+      return;
+    }
+    if (node.group_count > 0) {
+      sink.count(EventKind::kBoxTest, node.group_count);
+    }
+    if (subs > 0) {
       sink.count(EventKind::kQBoxTest, subs);
     }
   }
@@ -164,7 +168,7 @@ class A2rtUnit {
     }
     float near[bvh::kMaxWidth];
     const std::uint32_t hit =
-        tester_.test(context.ray, node.planes, quantizer_.remaining(closest, shift), near);
+        tester_.test(context.ray, node.planes(), quantizer_.remaining(closest, shift), near);
     for (std::size_t s = 0; s < bvh::kMaxWidth; ++s) {
       // Lower bound of shift + near in real numbers: the sum errs by half a unit in the last place.
       const float sum = shift + near[s];

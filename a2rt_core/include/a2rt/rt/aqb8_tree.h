@@ -31,6 +31,8 @@ class Aqb8Tree {
     return refs_.data() + nodes_[node].first;
   }
   const Aqb8Node& node(std::uint32_t index) const { return nodes_[index]; }
+  // Asks the host's cache for a node that will be visited soon.
+  void prefetch(std::uint32_t index) const { __builtin_prefetch(nodes_.data() + index); }
   std::size_t node_count() const { return nodes_.size(); }
   const arith::Aqb8Box& box(std::uint32_t position) const { return layout_.boxes[position]; }
   const arith::Aqb8Anchor& anchor(std::uint32_t cluster) const { return layout_.anchors[cluster]; }
@@ -49,7 +51,7 @@ class Aqb8Tree {
   }
   const bvh::Aqb8Layout& layout() const { return layout_; }
 
-  static Aqb8Tree mirror(const bvh::WideBvh& tree, const bvh::Clustering& clusters,
+  static Aqb8Tree mirror(bvh::WideBvh& tree, const bvh::Clustering& clusters,
                          bvh::Aqb8Layout layout);
 
  private:

@@ -16,7 +16,7 @@
 namespace a2rt::rt {
 
 // One inner node: its children's boxes as tested, and where their records lie.
-struct BoxNode {
+struct alignas(64) BoxNode {
   arith::BoxBlock boxes;
   bvh::ChildRef children[bvh::kMaxWidth];
   std::uint32_t first_record = 0;  // of the children, in BoxTree::records
@@ -32,6 +32,14 @@ class BoxTree {
   bvh::ChildRef root() const { return root_; }
   const bvh::ChildRef* children(std::uint32_t node) const { return nodes_[node].children; }
   const BoxNode& node(std::uint32_t index) const { return nodes_[index]; }
+  // Asks the host's cache for a node that will be visited soon.
+  void prefetch(std::uint32_t index) const {
+    const char* at = reinterpret_cast<const char*>(nodes_.data() + index);
+    __builtin_prefetch(at);
+    __builtin_prefetch(at + 64);
+    __builtin_prefetch(at + 128);
+    __builtin_prefetch(at + 192);
+  }
   std::size_t node_count() const { return nodes_.size(); }
   std::span<const bvh::BvhRecord> exact_children(std::uint32_t node) const {
     return {records_.data() + nodes_[node].first_record, nodes_[node].count};
@@ -40,9 +48,10 @@ class BoxTree {
   Address base() const { return base_; }
   std::span<const std::byte> bytes() const { return bytes_; }
 
-  // Mirror of `tree` with the tested boxes `boxes` (per record; the records' own if empty). The
-  // caller then sets each node's fetch range and hands over the packed bytes.
-  static BoxTree mirror(const bvh::WideBvh& tree, const std::vector<Box>& boxes);
+  // Mirror of `tree`, whose records it takes, with the tested boxes `boxes` (per record; the
+  // records' own if empty). The caller then sets each node's fetch range and hands over the packed
+  // bytes.
+  static BoxTree mirror(bvh::WideBvh& tree, const std::vector<Box>& boxes);
   BoxNode& mutable_node(std::uint32_t index) { return nodes_[index]; }
   void set_memory(std::vector<std::byte> bytes, Address base) {
     bytes_ = std::move(bytes);

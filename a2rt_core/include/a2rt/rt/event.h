@@ -40,7 +40,8 @@ enum class EventKind : std::uint8_t {
   kContextPop = 13,   // context restored; address/bytes name the record a re-fetching design reads
   kAnyHit = 14,  // candidate leaves the unit for an any-hit shader; `count` = candidate ordinal
   kIntersection = 15,  // candidate leaves the unit for an intersection shader
-  kEscape = 16,  // A2RT guard/wide: pair left the quantized range, `count` boxes go to BOX units
+  kEscape = 16,  // A2RT guard/wide: pair left the quantized range; the kDequantize and kBoxTest
+                 // of its `count` boxes follow
   kCount = 17
 };
 

@@ -139,7 +139,7 @@ class Traversal {
         }
       }
       if (mask != 0) {
-        top = push_hits(tree.children(current.ref.index()), mask, keys, live, top);
+        top = push_hits(tree, tree.children(current.ref.index()), mask, keys, live, top);
       }
       bool fresh = top != before;  // the top entry was just tested: not a pop
       if (fresh && top - before > 1) {
@@ -228,7 +228,7 @@ class Traversal {
 
   // Pushes the hit children so that the one to visit next is on top. Equal keys: the lower slot
   // first.
-  Entry* push_hits(const ChildRef* children, std::uint32_t mask, const Key* keys,
+  Entry* push_hits(const Tree& tree, const ChildRef* children, std::uint32_t mask, const Key* keys,
                    std::uint32_t context, Entry* top) const {
     Entry* const base = top;
     if (!s_.traversal.front_to_back) {
@@ -243,6 +243,9 @@ class Traversal {
     for (; mask != 0; mask &= mask - 1) {
       const auto slot = static_cast<std::uint32_t>(std::countr_zero(mask));
       const Entry entry{keys[slot], children[slot], context};
+      if (!entry.ref.is_leaf()) {
+        tree.prefetch(entry.ref.index());
+      }
       Entry* at = top++;
       for (; at != base && at[-1].key <= entry.key; --at) {
         *at = at[-1];

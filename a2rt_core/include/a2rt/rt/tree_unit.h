@@ -4,15 +4,15 @@
 // A Unit (see traversal.h) also has
 //   settings(), info()
 //   Tree encode(bvh::WideBvh&, const std::string& name, bvh::AddressSpace&, StructureStats&) const
-// encode() may reorder siblings and, before the primitives are laid out, WideBvh::order.
+// encode() takes the tree's records and may reorder WideBvh::order, which it must leave.
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "a2rt/base/thread_clock.h"
 #include "a2rt/bvh/instance_boxes.h"
 #include "a2rt/rt/traversal.h"
 #include "a2rt/rt/unit.h"
@@ -20,12 +20,10 @@
 namespace a2rt::rt {
 
 // Adds what does not depend on the encoding.
-inline void add_tree_stats(const bvh::WideBvh& tree, std::uint64_t primitive_bytes,
-                           StructureStats& stats) {
+inline void add_tree_stats(const bvh::WideBvh& tree, StructureStats& stats) {
   stats.build_seconds += tree.build_seconds;
   stats.inner_nodes += tree.inner_count();
   stats.leaf_nodes += tree.leaf_count();
-  stats.triangle_bytes += primitive_bytes;
   stats.depth = std::max<std::uint64_t>(stats.depth, tree.depth);
   stats.sah_cost += bvh::sah_cost(tree);
 }
@@ -63,10 +61,11 @@ class TreeUnit final : public RtUnit {
                               : builder.build(std::span<const Triangle>(blas.triangles));
       check_depth(tree, name);
       object_boxes.push_back(tree.empty() ? Box{} : tree.records[0].box);
+      add_tree_stats(tree, stats_);
       s_.blas.push_back(unit_.encode(tree, name, space, stats_));
       s_.primitives.push_back(arrange_primitives(blas, tree, settings.layout, space, name));
       stats_.box_bytes += s_.primitives.back().aabbs.size() * sizeof(Box);
-      add_tree_stats(tree, s_.primitives.back().triangles.size() * sizeof(Triangle), stats_);
+      stats_.triangle_bytes += s_.primitives.back().triangles.size() * sizeof(Triangle);
     }
     build_tops(workload, settings, object_boxes, space);
     regions_ = space.regions();
@@ -109,9 +108,9 @@ class TreeUnit final : public RtUnit {
       const std::string name = "TLAS " + std::to_string(t);
       bvh::WideBvh tree = builder.build(std::span<const Box>(boxes));
       check_depth(tree, name);
+      add_tree_stats(tree, stats_);
       s_.tlas.push_back(unit_.encode(tree, name, space, stats_));
       s_.tops.push_back(arrange_instances(workload.tlas[t], tree, settings.layout, space, name));
-      add_tree_stats(tree, 0, stats_);
     }
   }
 
@@ -129,12 +128,12 @@ class TreeUnit final : public RtUnit {
   std::vector<bvh::Region> regions_;
 };
 
-// Wall-clock seconds of one step of a build.
+// Processor seconds of one step of a build.
 template <class Step>
 double seconds_of(const Step& step) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = thread_seconds();
   step();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return thread_seconds() - start;
 }
 
 }  // namespace a2rt::rt

@@ -24,8 +24,15 @@ class Clbvh : public BoxUnit {
     BoxTree result;
     stats.encode_seconds += seconds_of([&] {
       bvh::check_boxes(tree, name);
+      Clbvh::Places places = place(tree);
+      std::vector<std::byte> bytes = pack(tree, name, places);
       result = BoxTree::mirror(tree, bvh::dequantized_boxes(tree, true, name));
-      std::vector<std::byte> bytes = pack(tree, name, result);
+      for (std::uint32_t n = 0; n < result.node_count(); ++n) {
+        BoxNode& node = result.mutable_node(n);
+        node.fetch_offset = places[n].offset;
+        node.fetch_bytes = places[n].bytes;
+        node.dequantized = places[n].multi_leaf;
+      }
       stats.node_bytes += bytes.size();
       const Address base = space.reserve(name + " nodes", Bytes{bytes.size()});
       result.set_memory(std::move(bytes), base);
@@ -34,57 +41,64 @@ class Clbvh : public BoxUnit {
   }
 
  private:
-  // Two kinds of child blocks in record order: FP32 records of the children, or one multi-leaf
-  // node. FP32 records name the block of their children by byte offset; bit 0 of the id byte says
-  // that it is a multi-leaf node.
-  std::vector<std::byte> pack(const bvh::WideBvh& tree, const std::string& name,
-                              BoxTree& mirror) const {
-    std::vector<std::byte> bytes;
-    if (mirror.node_count() == 0) {
-      return bytes;
-    }
-    place(tree, mirror);
-    const std::vector<std::uint32_t> number = bvh::number_inner_records(tree);
-    bvh::ByteWriter out(bytes);
-    write_record(out, tree, 0, number, mirror);
+  // Child block of one inner node: FP32 records of the children, or one multi-leaf node.
+  struct Place {
+    std::uint64_t offset = 0;
+    std::uint32_t bytes = 0;
+    bool multi_leaf = false;
+  };
+  using Places = std::vector<Place>;
+
+  Places place(const bvh::WideBvh& tree) const {
+    const std::uint64_t align = settings_.layout.sibling_alignment;
+    Places places;
+    std::uint64_t next = node_bytes_;
     for (std::uint32_t i = 0; i < tree.records.size(); ++i) {
       const bvh::BvhRecord& r = tree.records[i];
       if (r.leaf()) {
         continue;
       }
-      out.pad_to(mirror.node(number[i]).fetch_offset);
-      if (bvh::is_multi_leaf(tree, i)) {
-        const std::vector<std::byte> block = bvh::encode_multi_leaf(tree, i, name);
-        bytes.insert(bytes.end(), block.begin(), block.end());
+      next = (next + align - 1) / align * align;
+      const bool multi = bvh::is_multi_leaf(tree, i);
+      places.push_back(
+          {next, multi ? bvh::clbvh_multi_leaf_bytes(r.count) : r.count * node_bytes_, multi});
+      next += places.back().bytes;
+    }
+    return places;
+  }
+
+  // The root's record, then the child blocks. A record names its child block by byte offset; its id
+  // byte is 0xfe for a leaf, 1 if the block is a multi-leaf node, else 0.
+  std::vector<std::byte> pack(const bvh::WideBvh& tree, const std::string& name,
+                              const Places& places) const {
+    std::vector<std::byte> bytes;
+    if (places.empty()) {
+      return bytes;
+    }
+    const std::vector<std::uint32_t> number = bvh::number_inner_records(tree);
+    bvh::ByteWriter out(bytes, places.back().offset + places.back().bytes);
+    write_record(out, tree, 0, number, places);
+    for (std::uint32_t i = 0; i < tree.records.size(); ++i) {
+      const bvh::BvhRecord& r = tree.records[i];
+      if (r.leaf()) {
+        continue;
+      }
+      const Place& at = places[number[i]];
+      out.pad_to(at.offset);
+      if (at.multi_leaf) {
+        out.raw(bvh::encode_multi_leaf(tree, i, name));
         continue;
       }
       for (std::uint32_t c = r.first; c < r.first + r.count; ++c) {
-        write_record(out, tree, c, number, mirror);
+        write_record(out, tree, c, number, places);
       }
     }
+    out.finish();
     return bytes;
   }
 
-  void place(const bvh::WideBvh& tree, BoxTree& mirror) const {
-    const std::uint64_t align = settings_.layout.sibling_alignment;
-    std::uint64_t next = node_bytes_;
-    std::uint32_t n = 0;
-    for (std::uint32_t i = 0; i < tree.records.size(); ++i) {
-      if (tree.records[i].leaf()) {
-        continue;
-      }
-      BoxNode& node = mirror.mutable_node(n++);
-      next = (next + align - 1) / align * align;
-      node.dequantized = bvh::is_multi_leaf(tree, i);
-      node.fetch_offset = next;
-      node.fetch_bytes =
-          node.dequantized ? bvh::clbvh_multi_leaf_bytes(node.count) : node.count * node_bytes_;
-      next += node.fetch_bytes;
-    }
-  }
-
   void write_record(bvh::ByteWriter& out, const bvh::WideBvh& tree, std::uint32_t i,
-                    const std::vector<std::uint32_t>& number, const BoxTree& mirror) const {
+                    const std::vector<std::uint32_t>& number, const Places& places) const {
     const std::size_t at = out.size();
     const bvh::BvhRecord& r = tree.records[i];
     out.box(r.box);
@@ -93,10 +107,10 @@ class Clbvh : public BoxUnit {
       out.u32(r.first + r.count);
       out.u8(0xfe);
     } else {
-      const BoxNode& node = mirror.node(number[i]);
-      out.u32(static_cast<std::uint32_t>(node.fetch_offset));
-      out.u32(static_cast<std::uint32_t>(node.fetch_offset + node.fetch_bytes));
-      out.u8(node.dequantized ? 1 : 0);
+      const Place& block = places[number[i]];
+      out.u32(static_cast<std::uint32_t>(block.offset));
+      out.u32(static_cast<std::uint32_t>(block.offset + block.bytes));
+      out.u8(block.multi_leaf ? 1 : 0);
     }
     out.pad_to(at + node_bytes_);
   }

@@ -19,8 +19,8 @@ class Cwbvh : public BoxUnit {
     BoxTree result;
     stats.encode_seconds += seconds_of([&] {
       std::vector<std::byte> bytes = bvh::encode_cwbvh(tree, name);
-      result = BoxTree::mirror(tree, bvh::dequantized_boxes(tree, false, name));
       const std::uint32_t node_bytes = bvh::cwbvh_node_bytes(tree.width);
+      result = BoxTree::mirror(tree, bvh::dequantized_boxes(tree, false, name));
       for (std::uint32_t n = 0; n < result.node_count(); ++n) {
         BoxNode& node = result.mutable_node(n);
         node.fetch_offset = std::uint64_t{n} * node_bytes;

@@ -1,0 +1,161 @@
+// bench-units: functional speed of every unit and of Embree on the same rays, one thread.
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "a2rt/base/text_file.h"
+#include "a2rt/base/thread_clock.h"
+#include "a2rt/config/section.h"
+#include "a2rt/rt/unit.h"
+#include "a2rt/workload/file.h"
+#include "a2rt/workload/reference.h"
+#include "a2rt/workload/synthetic.h"
+#include "bench_embree.h"
+#include "command.h"
+
+namespace a2rt::tools {
+namespace {
+
+struct Options {
+  std::string workload, output;
+  std::vector<std::string> units;
+  std::size_t rays = 200000;
+  unsigned repeats = 3;
+};
+
+std::uint64_t peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+// Every stride-th ray, so that all kinds of rays of the workload are in the sample.
+std::vector<std::size_t> sample(const Workload& workload, std::size_t wanted) {
+  std::vector<std::size_t> rays;
+  const std::size_t stride = std::max<std::size_t>(1, workload.rays.size() / wanted);
+  for (std::size_t i = 0; i < workload.rays.size(); i += stride) {
+    rays.push_back(i);
+  }
+  return rays;
+}
+
+// Best of several passes: other work on the machine only ever slows one down.
+template <class Trace>
+double rays_per_second(const std::vector<std::size_t>& rays, unsigned repeats, const Trace& trace) {
+  double best = 0;
+  for (unsigned r = 0; r < repeats; ++r) {
+    const double start = thread_seconds();
+    for (const std::size_t i : rays) {
+      trace(i);
+    }
+    best = std::max(best, static_cast<double>(rays.size()) / (thread_seconds() - start));
+  }
+  return best;
+}
+
+nlohmann::json bench_unit(const std::string& name, const Workload& workload,
+                          const std::vector<std::size_t>& rays, unsigned repeats,
+                          double embree_rate, double triangles) {
+  const auto unit = unit_registry().create(name, config::Section::from_text("", name));
+  const double start = thread_seconds();
+  unit->build(workload);
+  const double build = thread_seconds() - start;
+  std::uint64_t hits = 0;
+  const double rate = rays_per_second(rays, repeats, [&](std::size_t i) {
+    hits += unit->trace({&workload.rays[i], candidates_of(workload, i)}).state == HitState::kHit;
+  });
+  const StructureStats s = unit->structure();
+  std::printf(
+      "%-13s %8.3f Mray/s  %5.2fx Embree  build %6.3f s = SAH %6.3f + classify %6.3f + "
+      "encode %6.3f (%4.1f %% on top)  nodes %5.1f B/primitive\n",
+      name.c_str(), rate / 1e6, rate / embree_rate, build, s.build_seconds, s.classify_seconds,
+      s.encode_seconds, 100 * (s.classify_seconds + s.encode_seconds) / s.build_seconds,
+      static_cast<double>(s.node_bytes) / triangles);
+  return {{"unit", name},
+          {"rays_per_second", rate},
+          {"ratio_to_embree", rate / embree_rate},
+          {"hits", hits / repeats},
+          {"build_seconds", s.build_seconds},
+          {"classify_seconds", s.classify_seconds},
+          {"encode_seconds", s.encode_seconds},
+          {"total_seconds", build},
+          {"node_bytes", s.node_bytes}};
+}
+
+std::string default_synthetic_name() { return "synthetic torus, 100,000 triangles"; }
+
+Workload load(const Options& options) {
+  if (!options.workload.empty()) {
+    ReadOptions read;
+    read.driver_nodes = false;
+    return read_workload(options.workload, read);
+  }
+  synthetic::Config config;
+  config.shape = synthetic::Shape::kTorus;
+  config.primitives = 100000;
+  config.width = config.height = 192;
+  config.reference = false;
+  return synthetic::make(config);
+}
+
+int bench(const Options& options) {
+  const Workload workload = load(options);
+  std::uint64_t primitives = 0;
+  for (const Blas& blas : workload.blas) {
+    primitives += blas.primitive_count();
+  }
+  const auto triangles = static_cast<double>(primitives);
+  const std::vector<std::size_t> rays = sample(workload, options.rays);
+  std::printf(
+      "%s: %llu primitives, %zu of %zu rays, one thread, best of %u\n",
+      options.workload.empty() ? default_synthetic_name().c_str() : options.workload.c_str(),
+      static_cast<unsigned long long>(primitives), rays.size(), workload.rays.size(),
+      options.repeats);
+  double embree_rate = 0;
+  {
+    const EmbreeScene embree(workload);
+    embree_rate = rays_per_second(rays, options.repeats,
+                                  [&](std::size_t i) { embree.trace(workload.rays[i]); });
+  }
+  std::printf("%-13s %8.3f Mray/s  (rtcIntersect1, robust)\n", "embree", embree_rate / 1e6);
+  nlohmann::json results = nlohmann::json::array();
+  for (const std::string& name : options.units.empty() ? unit_registry().names() : options.units) {
+    results.push_back(bench_unit(name, workload, rays, options.repeats, embree_rate, triangles));
+  }
+  std::printf("peak memory %.0f MB, %.0f bytes a primitive (rays included)\n",
+              static_cast<double>(peak_bytes()) / 1e6,
+              static_cast<double>(peak_bytes()) / triangles);
+  if (!options.output.empty()) {
+    write_text_file(options.output, nlohmann::json{{"workload", options.workload},
+                                                   {"primitives", primitives},
+                                                   {"rays", rays.size()},
+                                                   {"embree_rays_per_second", embree_rate},
+                                                   {"peak_bytes", peak_bytes()},
+                                                   {"units", results}}
+                                            .dump(2) +
+                                        "\n");
+  }
+  return 0;
+}
+
+const RegisterCommand kCommand(
+    "bench-units", "Rays per second of every unit and of Embree on the same rays",
+    "  a2rt-core bench-units\n  a2rt-core bench-units w.h5 --units baseline,a2rt\n",
+    [](CLI::App& app) {
+      auto options = std::make_shared<Options>();
+      app.add_option("workload", options->workload, "Workload file; none: a synthetic torus");
+      app.add_option("--units", options->units, "Units to run; all if not given")->delimiter(',');
+      app.add_option("--rays", options->rays, "Rays to sample")->check(CLI::PositiveNumber);
+      app.add_option("--repeats", options->repeats, "Passes; the best counts")
+          ->check(CLI::Range(1, 100));
+      app.add_option("-o,--output", options->output, "JSON file to write");
+      return [options] { return bench(*options); };
+    });
+
+}  // namespace
+}  // namespace a2rt::tools
