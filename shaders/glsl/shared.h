@@ -176,7 +176,7 @@ struct Frame {
   uint light_sampling;  // 1: emitters are sampled by shadow rays
   uint use_offset;      // 1: secondary origins leave the surface by a few ulps before t_min counts
   float exposure;
-  uint first_shape_light;
+  float clamp_indirect;  // most a sample may add after its first diffuse hit; 0: no limit
 };
 
 #ifdef __cplusplus

@@ -119,7 +119,7 @@ class Walker {
     const tinygltf::Value& light = extension(node.extensions, "KHR_lights_punctual");
     const double number = number_or(light, "light", -1);
     if (number >= 0) {
-      load_light(static_cast<int>(std::min(number, 1e9)), name, world);
+      load_light(node, static_cast<int>(std::min(number, 1e9)), name, world);
     }
     load_shapes(node, name, world);
   }
@@ -239,7 +239,8 @@ class Walker {
     scene_.cameras.push_back(c);
   }
 
-  void load_light(int index, const std::string& name, const glm::dmat4& world) {
+  void load_light(const tinygltf::Node& node, int index, const std::string& name,
+                  const glm::dmat4& world) {
     const tinygltf::Light& from = document_.get(document_.model().lights, index, "light");
     scene::Light light;
     light.name = from.name.empty() ? name : from.name;
@@ -249,8 +250,8 @@ class Walker {
     light.color = color * static_cast<float>(from.intensity);
     light.position = glm::vec3(world[3]);
     light.range = static_cast<float>(std::max(0.0, from.range));
-    const double angle = number_or(from.extras, "angular_diameter", 0);
-    light.radius = static_cast<float>(std::max(0.0, number_or(from.extras, "radius", 0)));
+    const double angle = number_or(node.extras, "angular_diameter", 0);
+    light.radius = static_cast<float>(std::max(0.0, number_or(node.extras, "radius", 0)));
     if (from.type == "directional") {
       light.kind = scene::LightKind::kDirectional;
       light.direction = axis(world, {0, 0, 1});

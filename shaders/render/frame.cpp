@@ -81,6 +81,7 @@ gpu::Frame make_frame(const scene::Scene& scene, const scene::Camera& camera,
   frame.shadow_rays = workload.shadow_rays;
   frame.ao_rays = workload.ao_rays;
   frame.light_sampling = effects::samples_emitters(scene, workload) ? 1 : 0;
+  frame.clamp_indirect = static_cast<float>(workload.clamp_indirect);
   frame.exposure = settings.exposure;
   return frame;
 }

@@ -345,7 +345,6 @@ Picture Renderer::render(std::uint32_t samples_per_dispatch, const Progress& pro
 }
 
 void Renderer::measure(std::uint32_t repeats) {
-  dispatch(0, settings_.samples);  // compiles and warms up
   timings_.frames.clear();
   for (std::uint32_t i = 0; i < repeats; ++i) {
     const Stopwatch watch;

@@ -48,7 +48,8 @@ class Renderer {
   // One frame is one dispatch, unless it is so long that it is cut by samples for the progress
   // display; `samples_per_dispatch` > 0 fixes the cut. The picture does not depend on it.
   Picture render(std::uint32_t samples_per_dispatch, const Progress& progress);
-  // Draws the first frame `repeats` times and notes each time.
+  // Draws the first frame `repeats` more times; only these count for the median. The picture that
+  // render returned has warmed the driver up.
   void measure(std::uint32_t repeats);
 
   const Timings& timings() const { return timings_; }

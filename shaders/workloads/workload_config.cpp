@@ -35,6 +35,9 @@ void read_sampling(const config::Section& s, WorkloadConfig& w) {
                             "the same in scenes that carry LumiBench's extras");
   w.shadow_factor = s.number("shadow_factor", 0.3, 0, 1, "", "colour factor of each blocked ray");
   w.ao_factor = s.number("ao_factor", 0.9, 0, 1, "", "colour factor of each blocked ray");
+  w.clamp_indirect =
+      s.number("clamp_indirect", 0, 0, 1e30, "radiance",
+               "most that a sample adds by way of a diffuse hit; trades caustics for less noise");
   w.light_sampling = s.boolean("light_sampling", false, "sample emitters by shadow rays");
   w.sun = s.boolean("sun", false, "scenes without a light get a sun from a fixed direction");
   w.opaque_geometry = s.boolean("opaque_geometry", true,
