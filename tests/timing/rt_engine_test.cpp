@@ -44,6 +44,17 @@ TEST_F(Rt, a_test_after_a_fetch_waits_for_the_data) {
   EXPECT_EQ(time(1) - alone, config.rt.tester(Tester::kBox).latency);
 }
 
+TEST_F(Rt, the_two_kinds_of_boxes_of_a_node_are_tested_side_by_side) {
+  config.rt.tester(Tester::kBox).latency = Cycles{6};
+  config.rt.tester(Tester::kQBox).latency = Cycles{2};
+  source.everyone = {count_event(EventKind::kBoxTest, 1), count_event(EventKind::kQBoxTest, 5)};
+  EXPECT_EQ(time(1), Cycles{6});
+  // A quantized test that needs the box test's result, through a quantization, comes after it.
+  source.everyone = {count_event(EventKind::kBoxTest, 1), count_event(EventKind::kQuantizeRay),
+                     count_event(EventKind::kQBoxTest, 5)};
+  EXPECT_EQ(time(1), Cycles{6 + 4 + 2});
+}
+
 TEST_F(Rt, six_boxes_of_a_node_are_six_tests_on_the_boxes_there_are) {
   config.rt.tester(Tester::kBox) = {2, Cycles{6}, Cycles{1}};
   source.everyone = {count_event(EventKind::kBoxTest, 6)};

@@ -135,7 +135,7 @@ bool RtEngine::do_event(Cycles now, std::uint32_t slot, std::uint32_t l, const E
     case EventKind::kFetch:
       return fetch(now, slot, l, Address{event.address}, event.bytes, event.traffic);
     case EventKind::kBoxTest:
-      return test(now, slot, l, Tester::kBox, event.count);
+      return test_node(now, slot, l, event.count);
     case EventKind::kQBoxTest:
       return test(now, slot, l, Tester::kQBox, event.count);
     case EventKind::kTriangleTest:
@@ -153,9 +153,7 @@ bool RtEngine::do_event(Cycles now, std::uint32_t slot, std::uint32_t l, const E
     case EventKind::kTransform:
       return test(now, slot, l, Tester::kTransform, event.count);
     case EventKind::kEscape:
-      follow(slots_[slot]->lanes[l], {Tester::kDequantize, event.count},
-             {Tester::kBox, event.count});
-      return false;
+      return false;  // the unit emits the dequantizations and FP32 tests that it causes
     case EventKind::kPush:
       push(now, slot, l, event.count);
       return false;
@@ -218,14 +216,35 @@ bool RtEngine::test(Cycles now, std::uint32_t slot, std::uint32_t l, Tester test
   if (count == 0) {
     return false;
   }
+  TesterPool& pool = pool_for(tester);
+  set_state(now, slots_[slot]->lanes[l], LaneState::kTest);
+  calendar_.at(pool.issue(now, count), *this, kLane, slot * kLanes + l);
+  return true;
+}
+
+// FP32 and quantized boxes of one node do not depend on each other: both pools start at once.
+bool RtEngine::test_node(Cycles now, std::uint32_t slot, std::uint32_t l, std::uint32_t boxes) {
+  Lane& lane = slots_[slot]->lanes[l];
+  const std::vector<Event>& events = slots_[slot]->events[l];
+  if (lane.cursor == events.size() || events[lane.cursor].kind != EventKind::kQBoxTest) {
+    return test(now, slot, l, Tester::kBox, boxes);
+  }
+  const std::uint32_t qboxes = events[lane.cursor++].count;
+  ++counts_.events[static_cast<std::size_t>(EventKind::kQBoxTest)];
+  set_state(now, lane, LaneState::kTest);
+  const Cycles end = std::max(pool_for(Tester::kBox).issue(now, boxes),
+                              pool_for(Tester::kQBox).issue(now, qboxes));
+  calendar_.at(end, *this, kLane, slot * kLanes + l);
+  return true;
+}
+
+TesterPool& RtEngine::pool_for(Tester tester) {
   TesterPool& pool = pools_[static_cast<std::size_t>(tester)];
   if (!pool.exists()) {
     throw UserError("the RT unit needs a tester that the machine does not have: set rt.testers." +
                     std::string(tester_name(tester)) + ".count above 0");
   }
-  set_state(now, slots_[slot]->lanes[l], LaneState::kTest);
-  calendar_.at(pool.issue(now, count), *this, kLane, slot * kLanes + l);
-  return true;
+  return pool;
 }
 
 bool RtEngine::suspend(Cycles now, std::uint32_t slot, std::uint32_t l, const Event& event) {

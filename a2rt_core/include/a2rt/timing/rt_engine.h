@@ -127,6 +127,8 @@ class RtEngine final : public Component {
   std::uint32_t want(Slot& slot, std::uint32_t lane, Address address, std::uint32_t bytes,
                      Traffic kind);
   bool test(Cycles now, std::uint32_t slot, std::uint32_t lane, Tester tester, std::uint32_t count);
+  bool test_node(Cycles now, std::uint32_t slot, std::uint32_t lane, std::uint32_t boxes);
+  TesterPool& pool_for(Tester tester);
   void push(Cycles now, std::uint32_t slot, std::uint32_t lane, std::uint32_t count);
   bool pop(Cycles now, std::uint32_t slot, std::uint32_t lane, std::uint32_t count);
   void push_context(Cycles now, std::uint32_t slot, std::uint32_t lane);

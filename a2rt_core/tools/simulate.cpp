@@ -1,0 +1,245 @@
+// simulate: cycles and energy of one unit on a workload.
+#include <sys/resource.h>
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "a2rt/base/text_file.h"
+#include "a2rt/energy/fair_testers.h"
+#include "a2rt/energy/ledger.h"
+#include "a2rt/rt/result_json.h"
+#include "a2rt/timing/result_json.h"
+#include "a2rt/timing/sampling.h"
+#include "a2rt/timing/simulator.h"
+#include "a2rt/timing/unit_source.h"
+#include "a2rt/workload/file.h"
+#include "command.h"
+#include "gpu_option.h"
+#include "progress.h"
+#include "simulate_print.h"
+#include "unit_option.h"
+
+namespace a2rt::tools {
+namespace {
+
+struct Options {
+  std::string workload, unit = "a2rt", unit_config, gpu = "table1", output, heatmap;
+  std::string comparison = "same-count", energy_table;
+  std::vector<std::string> set;
+  std::vector<std::uint32_t> frames;
+  double sample = 1;
+  std::uint64_t seed = 1;
+  bool sample_check = false;
+};
+
+// Every eighth lane's rays are enough to rank warps by cost.
+constexpr std::uint32_t kProxyLaneStep = 8;
+
+struct Run {
+  timing::SimulationResult result;
+  std::optional<timing::SamplePlan> plan;
+  std::optional<timing::Estimate> estimate;
+  std::optional<std::uint64_t> full_cycles;
+};
+
+Run run(const Options& options, const Workload& workload, timing::RaySource& source,
+        const timing::MachineConfig& machine, Progress& progress) {
+  Run run;
+  timing::SimulationOptions simulation;
+  simulation.frames = options.frames;
+  simulation.progress = [&](double share) { progress.show(share, "simulating " + options.unit); };
+  if (options.sample < 1) {
+    const auto warps = timing::list_warps(workload, options.frames);
+    run.plan = timing::plan_sample(timing::warp_costs(workload, source, warps, kProxyLaneStep),
+                                   options.sample, options.seed);
+    simulation.warps = run.plan->warps;
+  }
+  run.result = timing::simulate(workload, source, machine, simulation);
+  if (run.plan) {
+    run.estimate = timing::extrapolate_cycles(*run.plan, run.result);
+    if (options.sample_check) {
+      simulation.warps.clear();
+      run.full_cycles = timing::simulate(workload, source, machine, simulation).cycles.value;
+    }
+  }
+  return run;
+}
+
+nlohmann::ordered_json sample_json(const Options& options, const Run& run) {
+  nlohmann::ordered_json json = {{"fraction", options.sample},
+                                 {"seed", options.seed},
+                                 {"warps", run.plan->warps.size()},
+                                 {"warps_of", run.plan->cost.size()},
+                                 {"cost_share", run.plan->cost_chosen / run.plan->cost_all},
+                                 {"cycles", run.estimate->value},
+                                 {"cycles_low", run.estimate->low},
+                                 {"cycles_high", run.estimate->high},
+                                 {"confidence", 0.95}};
+  if (run.full_cycles) {
+    const auto full = static_cast<double>(*run.full_cycles);
+    json["full_cycles"] = *run.full_cycles;
+    json["error"] = (run.estimate->value - full) / full;
+  }
+  return json;
+}
+
+// Cycles per launch id as a NumPy array: height x width, or flat for several dispatches.
+std::string npy(const timing::SimulationResult& result) {
+  const std::size_t pixels = std::size_t{result.width} * result.height;
+  const std::string shape =
+      pixels == result.launch_cycles.size()
+          ? "(" + std::to_string(result.height) + ", " + std::to_string(result.width) + ")"
+          : "(" + std::to_string(result.launch_cycles.size()) + ",)";
+  std::string header = "{'descr': '<u4', 'fortran_order': False, 'shape': " + shape + ", }";
+  header.append(63 - (10 + header.size()) % 64, ' ');
+  header += '\n';
+  std::string file("\x93NUMPY\x01\x00", 8);
+  file += static_cast<char>(header.size() & 0xff);
+  file += static_cast<char>(header.size() >> 8);
+  file += header;
+  file.append(reinterpret_cast<const char*>(result.launch_cycles.data()),
+              result.launch_cycles.size() * sizeof(std::uint32_t));
+  return file;
+}
+
+std::uint64_t peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+// What the scripts read for the paper's Fig. 2, beside the full account in `fig2`.
+void add_shares(nlohmann::ordered_json& json, const timing::SimulationResult& result,
+                const StructureStats& structure) {
+  const nlohmann::ordered_json fig2 = timing::fig2_json(result);
+  json["time"]["shares"] = {{"rt_instructions", fig2.at("intersection_instruction_share")},
+                            {"rt_time", fig2.at("execution_time_share")},
+                            {"box_of_intersection", fig2.at("box_share_of_intersection_time")}};
+  const double storage =
+      static_cast<double>(structure.node_bytes + structure.triangle_bytes);
+  json["memory"]["shares"] = {
+      {"bvh_of_l1", fig2.at("bvh_share_of_l1_content")},
+      {"bvh_of_l1_accesses", fig2.at("bvh_share_of_l1_accesses")},
+      {"boxes_of_bvh_storage",
+       storage > 0 ? static_cast<double>(structure.box_bytes) / storage : 0}};
+  json["fig2"] = fig2;
+}
+
+nlohmann::ordered_json config_json(const UnitChoice& unit, const GpuChoice& gpu,
+                                   const timing::MachineConfig& machine) {
+  nlohmann::ordered_json json = rt::config_json(unit.section);
+  for (const config::ParameterDoc& p : gpu.section.describe()) {
+    json["gpu." + p.key] = p.value;
+  }
+  for (std::size_t t = 0; t < timing::kTesters; ++t) {
+    json["gpu.rt.testers." + std::string(timing::tester_name(static_cast<timing::Tester>(t))) +
+         ".count"] = machine.rt.testers[t].count;
+  }
+  return json;
+}
+
+int simulate(const Options& options) {
+  const SplitSettings settings = split_settings(options.set);
+  UnitChoice choice = choose_unit(options.unit, options.unit_config, settings.unit);
+  const GpuChoice gpu = choose_gpu(options.gpu, settings.gpu);
+  const auto table = energy::EnergyTable::from_file(
+      options.energy_table.empty() ? std::string(A2RT_ENERGY_FOLDER "/12nm.csv")
+                                   : options.energy_table);
+  ReadOptions read;
+  read.driver_nodes = false;
+  const Workload workload = read_workload(options.workload, read);
+  RtUnit& unit = *choice.unit;
+  const std::string name = unit.info().name;
+  const energy::Design design = energy::design_of(name);
+  const energy::Comparison comparison = energy::comparison_of(options.comparison);
+  timing::MachineConfig machine = gpu.machine;
+  const energy::TesterArea area = energy::apply_comparison(
+      comparison, design, name == "cwbvh" || name == "clbvh", table, machine);
+  Run done;
+  {
+    Progress progress;
+    progress.show(0, "building " + name);
+    unit.build(workload);
+    timing::UnitSource source(unit, workload);
+    done = run(options, workload, source, machine, progress);
+  }
+  const timing::SimulationResult& result = done.result;
+  const energy::Ledger ledger =
+      energy::make_ledger(energy::actions_of(result, design),
+                          energy::instances_of(result, machine, design), result.milliseconds, table);
+  print_simulation(unit.info().title, result, machine, ledger, done.estimate);
+  if (!options.heatmap.empty()) {
+    write_text_file(options.heatmap, npy(result));
+  }
+  if (options.output.empty()) {
+    return 0;
+  }
+  nlohmann::ordered_json json;
+  json["schema"] = 1;
+  json["workload"] = rt::workload_json(workload, options.workload);
+  json["unit"] = rt::unit_json(unit.info());
+  json["gpu"] = {{"name", machine.name},
+                 {"core_mhz", machine.core_mhz},
+                 {"sms", machine.sm.count},
+                 {"comparison", energy::comparison_name(comparison)}};
+  json["config"] = config_json(choice, gpu, machine);
+  json["structure"] = rt::structure_json(unit.structure());
+  json["events"] = timing::events_json(result);
+  json["memory"] = timing::memory_json(result);
+  json["time"] = timing::time_json(result, machine);
+  json["area"] = {{"box_testers_um2", area.used_um2},
+                  {"reference_um2", area.reference_um2},
+                  {"reached_minimum", area.reached_minimum}};
+  json["energy"] = energy::ledger_json(ledger);
+  add_shares(json, result, unit.structure());
+  if (done.plan) {
+    json["sample"] = sample_json(options, done);
+  }
+  if (!options.heatmap.empty()) {
+    json["heatmap"] = options.heatmap;
+  }
+  json["provenance"] = {{"tool", "a2rt-core simulate"},
+                        {"seconds", result.host_seconds},
+                        {"rays_per_second", static_cast<double>(result.rays()) / result.host_seconds},
+                        {"peak_bytes", peak_bytes()}};
+  write_text_file(options.output, json.dump(2) + "\n");
+  return 0;
+}
+
+const RegisterCommand kCommand(
+    "simulate", "Cycles, memory traffic and energy of a unit on a workload",
+    "  a2rt-core simulate w.h5 --unit a2rt -o r.json\n"
+    "  a2rt-core simulate w.h5 --unit baseline --compare-counts same-area --gpu mobile\n"
+    "  a2rt-core simulate w.h5 --unit aqb8 --set rt.context=refetch --set artifact=true\n"
+    "  a2rt-core simulate w.h5 --unit a2rt --sample 0.1 --heatmap cycles.npy\n",
+    [](CLI::App& app) {
+      auto options = std::make_shared<Options>();
+      app.add_option("workload", options->workload, "Workload file")->required();
+      app.add_option("--unit", options->unit, "Unit: a name, or a .toml file of parameters");
+      app.add_option("--unit-config", options->unit_config,
+                     "Take the unit's parameters from this file");
+      app.add_option("--gpu", options->gpu, "Machine: a name, or a .toml file");
+      app.add_option("--set", options->set,
+                     "Parameter of the machine (sm., l1., l2., dram., rt.) or of the unit")
+          ->allow_extra_args(false);
+      app.add_option("--compare-counts", options->comparison,
+                     "Box testers: same-count, same-area (both against the A2RT engine), or config")
+          ->check(CLI::IsMember({"config", "same-count", "same-area"}));
+      app.add_option("--frames", options->frames, "Only these frames")->delimiter(',');
+      app.add_option("--sample", options->sample, "Simulate this share of the warps and extrapolate")
+          ->check(CLI::Range(0.0001, 1.0));
+      app.add_option("--seed", options->seed, "Of the sample");
+      app.add_flag("--sample-check", options->sample_check,
+                   "Also run all warps and report the sample's error");
+      app.add_option("--energy-table", options->energy_table, "CSV of energies");
+      app.add_option("--heatmap", options->heatmap, "NumPy file of cycles per launch id");
+      app.add_option("-o,--output", options->output, "Result as JSON");
+      return [options] { return simulate(*options); };
+    });
+
+}  // namespace
+}  // namespace a2rt::tools
