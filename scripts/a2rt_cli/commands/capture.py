@@ -42,6 +42,6 @@ def run(args: argparse.Namespace) -> int:
         with console.step("Importing the capture") as step:
             core.import_capture(raw, target, scene=name, workload="program", shown=step)
     summary = core.inspect(target)
-    print(f"{shown(target)}: {summary.get('rays', '?')} rays of {name}")
+    print(f"{shown(target)}: {summary['rays']['count']:,} rays of {name}")
     print(f"Next: scripts/a2rt inspect {shown(target)}; scripts/a2rt compare {shown(target)}")
     return 0

@@ -60,7 +60,7 @@ def trace(
     if verdicts is not None:
         words += ["--verdicts", verdicts]
     if previous is not None:
-        words += ["--previous-verdicts", previous]
+        words += ["--previous", previous]
     _call(words, f"tracing {workload.name} with {unit}", shown)
     return read_result(target)
 

@@ -39,7 +39,24 @@ def _entry(name: str, entry: dict[str, Any]) -> dict[str, Any]:
 
 def of_workload(path: Path) -> dict[str, Any]:
     """Derived by the layer from a foreign program's pipelines."""
-    return core.inspect(path)
+    found = core.inspect(path)
+    return {**found, "effects": [_derived(entry) for entry in found.get("effects", [])]}
+
+
+def _derived(entry: dict[str, Any]) -> dict[str, Any]:
+    """a2rt-core's entry in the common shape; what a program does not use is not captured."""
+    used, reason = bool(entry["used"]), entry.get("reason", "")
+    stages = entry.get("stages") or []
+    return {
+        "name": entry["effect"],
+        "needed": used,
+        "built": used,
+        "called_for_by": [reason] if used and reason else [],
+        "rays": f"{entry['rays']:,}" if entry.get("rays") else "",
+        "stages": [stages] if isinstance(stages, str) else stages,
+        "part": entry.get("parts", ""),
+        "why": "" if used else reason,
+    }
 
 
 def of_captured(captured: Captured) -> dict[str, Any]:
