@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <set>
 
 #include "capture_files.h"
 #include "layer_run.h"
@@ -46,6 +47,14 @@ struct Expectation {
 
 void PrintTo(const Expectation& expectation, std::ostream* out) { *out << expectation.program; }
 
+std::size_t distinct_pixels(const std::string& picture) {
+  std::set<std::string> pixels;
+  for (std::size_t i = picture.size() - kPixels * 3; i + 3 <= picture.size(); i += 3) {
+    pixels.insert(picture.substr(i, 3));
+  }
+  return pixels.size();
+}
+
 class ForeignProgram : public testing::TestWithParam<Expectation> {};
 
 TEST_P(ForeignProgram, draws_the_same_picture_and_leaves_a_whole_capture) {
@@ -54,9 +63,8 @@ TEST_P(ForeignProgram, draws_the_same_picture_and_leaves_a_whole_capture) {
   const Folder folder;
   const RunResult plain = run_program(expected.program, folder, false);
   ASSERT_EQ(plain.status, 0) << plain.output;
-  // A picture of one color would be equal for many wrong reasons.
-  ASSERT_GT(std::count(plain.picture.begin(), plain.picture.end(), plain.picture[100]), 0);
-  ASSERT_NE(plain.picture.substr(15), std::string(plain.picture.size() - 15, plain.picture[20]));
+  // A picture of few colors would be equal for many wrong reasons.
+  ASSERT_TRUE(distinct_pixels(plain.picture) > 8);
 
   const std::string capture_folder = folder.path("capture");
   for (const char* rebuild : {"off", "sah"}) {
@@ -64,7 +72,7 @@ TEST_P(ForeignProgram, draws_the_same_picture_and_leaves_a_whole_capture) {
         run_program(expected.program, folder, true,
                     {{"A2RT_CAPTURE", capture_folder}, {"A2RT_REBUILD", rebuild}});
     ASSERT_EQ(under.status, 0) << under.output;
-    EXPECT_EQ(under.picture, plain.picture) << "A2RT_REBUILD=" << rebuild;
+    EXPECT_TRUE(under.picture == plain.picture) << "A2RT_REBUILD=" << rebuild;
     EXPECT_FALSE(file_exists(capture_folder + "/manifest.bin.part"));
 
     const CaptureFiles files = read_capture(capture_folder);
@@ -96,6 +104,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"compaction", 1, kPixels, RecordKind::kHit},
                     Expectation{"formats", 1, kPixels, RecordKind::kHit},
                     Expectation{"hit_groups", 1, kPixels, RecordKind::kHit},
+                    Expectation{"inactive_boxes", 1, kPixels, RecordKind::kReport},
                     Expectation{"indirect", 2, 2 * kPixels, RecordKind::kMiss},
                     Expectation{"instances", 1, 2 * kPixels, RecordKind::kHit},
                     Expectation{"library", 1, kPixels, RecordKind::kHit},
@@ -226,7 +235,7 @@ TEST(Capture, records_beyond_the_limit_are_counted_not_written) {
   const RunResult plain = run_program("any_hit", folder, false);
   const RunResult result = run_program(
       "any_hit", folder, true, {{"A2RT_CAPTURE", folder.path("capture")}, {"A2RT_LIMIT", "64K"}});
-  EXPECT_EQ(result.picture, plain.picture);
+  EXPECT_TRUE(result.picture == plain.picture);
   EXPECT_THAT(result.output, HasSubstr("A2RT_LIMIT"));
   const CaptureFiles files = read_capture(folder.path("capture"));
   EXPECT_LE(files.records.size() * 4, 65536u);
@@ -244,7 +253,7 @@ TEST(Capture, any_hit_order_is_said_where_it_matters_and_only_there) {
   const RunResult off =
       run_program("any_hit_order", folder, true,
                   {{"A2RT_CAPTURE", folder.path("capture")}, {"A2RT_REBUILD", "off"}});
-  EXPECT_EQ(off.picture, plain.picture);
+  EXPECT_TRUE(off.picture == plain.picture);
   EXPECT_THAT(off.output, IsEmpty());
 }
 
@@ -293,8 +302,8 @@ TEST(Verdicts, an_interval_hides_what_lies_outside) {
   const RunResult near =
       run_program("hit_groups", folder, true, {{"A2RT_VERDICTS", folder.path("near")}});
   ASSERT_EQ(near.status, 0) << near.output;
-  EXPECT_EQ(all.picture, plain.picture);
-  EXPECT_NE(near.picture, plain.picture);
+  EXPECT_TRUE(all.picture == plain.picture);
+  EXPECT_FALSE(near.picture == plain.picture);
 }
 
 TEST(Verdicts, a_damaged_file_stops_the_program_with_a_reason) {
@@ -322,7 +331,7 @@ TEST(Guards, another_driver_runs_untouched_with_one_line) {
       run_program("recursion", folder, true,
                   {{"A2RT_ASSUME_DRIVER_ID", "1"}, {"A2RT_CAPTURE", folder.path("capture")}});
   EXPECT_EQ(other.status, 0);
-  EXPECT_EQ(other.picture, plain.picture);
+  EXPECT_TRUE(other.picture == plain.picture);
   EXPECT_THAT(other.output, HasSubstr("not lavapipe"));
   EXPECT_EQ(std::count(other.output.begin(), other.output.end(), '\n'), 1);
   EXPECT_FALSE(file_exists(folder.path("capture")));

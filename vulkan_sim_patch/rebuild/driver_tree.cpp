@@ -195,6 +195,28 @@ std::uint32_t DriverTree::depth() const {
   return walk.depth();
 }
 
+std::uint32_t DriverTree::reachable_leaves() const {
+  std::uint32_t count = 0;
+  std::vector<std::uint32_t> stack = {static_cast<std::uint32_t>(sizeof(DriverHeader))};
+  while (!stack.empty()) {
+    DriverBoxNode node;
+    std::memcpy(&node, base_ + stack.back(), sizeof(node));
+    stack.pop_back();
+    for (std::size_t i = 0; i < 2; ++i) {
+      const std::uint32_t id = node.children[i];
+      if (id == kNoChild || std::isnan(node.bounds[i].lo[0])) {
+        continue;
+      }
+      if (type_of(id) == kBoxNodeType) {
+        stack.push_back(offset_of(id));
+      } else {
+        ++count;
+      }
+    }
+  }
+  return count;
+}
+
 bool DriverTree::rebuild(std::uint32_t depth_limit, unsigned threads, std::string& why) {
   std::vector<BuildItem> items;
   items.reserve(leaves());
@@ -221,6 +243,13 @@ bool DriverTree::rebuild(std::uint32_t depth_limit, unsigned threads, std::strin
   }
   if (items.size() < 3) {
     why = "it has fewer than three active leaves";
+    return false;
+  }
+  if (items.size() < leaves() && reachable_leaves() < items.size()) {
+    // The rebuilt tree would show what the driver loses; the picture must stay the program's own.
+    why = "beside inactive primitives the driver itself loses active ones (" +
+          std::to_string(items.size() - reachable_leaves()) + " of " +
+          std::to_string(items.size()) + ")";
     return false;
   }
   if (depth_needed(items.size()) > depth_limit) {

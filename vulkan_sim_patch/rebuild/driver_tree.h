@@ -85,6 +85,10 @@ class DriverTree {
   // Longest path from the root, in box nodes.
   std::uint32_t depth() const;
 
+  // Leaves that rays can reach. lavapipe enters no box whose lower x is NaN, and a box beside an
+  // inactive primitive can inherit its NaN: active primitives under it are lost.
+  std::uint32_t reachable_leaves() const;
+
   // Replaces the box nodes by a SAH tree over the same leaves (see bvh_builder.h). Returns false
   // and says why if the tree must stay as it is.
   bool rebuild(std::uint32_t depth_limit, unsigned threads, std::string& why);

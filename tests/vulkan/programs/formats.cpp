@@ -8,8 +8,8 @@ namespace {
 using namespace foreign;
 
 std::uint16_t to_half(float value) {
-  // Enough for numbers of this program: normal halves.
-  if (value == 0) {
+  // Enough for numbers of this program: normal halves, and zero for what is smaller.
+  if (std::fabs(value) < 1e-4f) {
     return 0;
   }
   int exponent = 0;
