@@ -39,6 +39,8 @@ TEST(Synthetic, TheSameSeedGivesTheSameBytesAndAnotherSeedDoesNot) {
   Config config;
   config.instances = 5;
   config.masked_share = 0.5;
+  config.primitives = 200;
+  config.width = config.height = 12;
   const Workload a = make(config), b = make(config);
   ASSERT_EQ(a.rays.size(), b.rays.size());
   EXPECT_EQ(std::memcmp(a.rays.data(), b.rays.data(), a.rays.size() * sizeof(Ray)), 0);
@@ -56,7 +58,7 @@ TEST(Synthetic, ClosedShapesAreWatertight) {
     config.reference = false;
     Workload w = make(config);
     Random random(7);
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 200; ++i) {
       Ray ray;
       ray.origin = shape == Shape::kTorus ? Vec3{0.7f, 0.01f, 0.02f} : random.in_box(-0.3f, 0.3f);
       ray.dir = random.direction();
@@ -86,6 +88,7 @@ TEST(Synthetic, InstanceInversesUndoTheirTransforms) {
 TEST(Synthetic, MaskedCandidatesDecideWhatIsHit) {
   Config config;
   config.masked_share = 1;
+  config.primitives = 400;
   const Workload w = make(config);
   ASSERT_GT(w.candidates.size(), 100u);
   for (const Hit& hit : w.driver_hits) {
@@ -104,6 +107,7 @@ TEST(Synthetic, DriverNodesPassTheLayoutGuards) {
       config.instances = primitives == 2 ? 1 : 17;
       config.reference = false;
       config.driver_nodes = true;
+      config.width = config.height = 2;
       config.masked_share = 0.3;
       const Workload w = make(config);
       EXPECT_EQ(driver::check_blas(w.blas[0].driver_nodes, w.blas[0]), "");
