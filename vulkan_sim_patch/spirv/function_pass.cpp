@@ -1,6 +1,5 @@
 #include "spirv/function_pass.h"
 
-#include "spirv/query_records.h"
 #include "spirv/verdicts.h"
 
 namespace a2rt::spirv {
@@ -171,7 +170,7 @@ void FunctionPass::instruction(const Instruction& original) {
     case Op::OpRayQueryProceedKHR:
       copy(original);
       if (options.results) {
-        put_query_step(code, shared_.writer, original);
+        shared_.queries.put_step(code, original);
         append_code(code);
       }
       return;
@@ -179,7 +178,7 @@ void FunctionPass::instruction(const Instruction& original) {
     case Op::OpRayQueryGenerateIntersectionKHR:
     case Op::OpRayQueryTerminateKHR:
       if (options.candidates) {
-        put_query_verdict(code, shared_.writer, original);
+        shared_.queries.put_verdict(code, original);
         append_code(code);
       }
       break;

@@ -8,6 +8,7 @@
 #include "spirv/counters.h"
 #include "spirv/hit_data.h"
 #include "spirv/instrument.h"
+#include "spirv/query_records.h"
 #include "spirv/record_writer.h"
 #include "spirv/weights.h"
 
@@ -21,6 +22,7 @@ struct Instrumentation {
   const Counters& counters;
   const HitData& hits;
   const WeightTable& weights;
+  QueryRecords& queries;
 
   bool keeps_ordinals() const { return options.rays || options.verdicts; }
 };

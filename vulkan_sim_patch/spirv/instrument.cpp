@@ -53,9 +53,10 @@ class Rewriter {
         counters_(types_, options.counters),
         hits_(types_),
         weights_(module),
+        queries_(types_, writer_),
         builtins_(types_),
         editor_(module, types_),
-        shared_{options, calls, writer_, counters_, hits_, weights_} {}
+        shared_{options, calls, writer_, counters_, hits_, weights_, queries_} {}
 
   std::vector<std::uint32_t> run(const Analysis& analysis,
                                  const std::vector<EntryDeclaration>& declarations) {
@@ -77,6 +78,9 @@ class Rewriter {
       } else if (shares(declaration, edited)) {
         editor_.redirect(declaration, declaration.function, variables({}));
       }
+    }
+    for (std::vector<Instruction>& function : queries_.take_functions()) {
+      editor_.add_function(std::move(function));
     }
     return editor_.words();
   }
@@ -118,6 +122,7 @@ class Rewriter {
   Counters counters_;
   HitData hits_;
   WeightTable weights_;
+  QueryRecords queries_;
   BuiltinPool builtins_;
   ModuleEditor editor_;
   Instrumentation shared_;

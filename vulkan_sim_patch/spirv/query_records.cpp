@@ -1,5 +1,7 @@
 #include "spirv/query_records.h"
 
+#include <utility>
+
 namespace a2rt::spirv {
 namespace {
 
@@ -32,58 +34,152 @@ class QueryReader {
   Id which_;
 };
 
-AnyHitVerdict verdict_of(const Instruction& instruction) {
-  return instruction.op() == Op::OpRayQueryTerminateKHR ? AnyHitVerdict::kTerminate
-                                                        : AnyHitVerdict::kAccept;
-}
-
 }  // namespace
 
-void put_query_step(CodeBuilder& code, const RecordWriter& writer, const Instruction& proceed) {
-  QueryReader committed(code, proceed.operand(0),
-                        spv::RayQueryIntersection::RayQueryCommittedIntersectionKHR);
+bool QueryRecords::is_constant(Id id) const {
+  const Instruction* const defined = types_.module().definition(id);
+  return defined != nullptr && defined->op() == Op::OpConstant;
+}
+
+QueryRecords::Path QueryRecords::path_to(const Instruction& proceed) const {
+  const Module& module = types_.module();
+  const auto is_object = [&](Id id) {
+    const Instruction* const defined = module.definition(id);
+    return defined != nullptr &&
+           (defined->op() == Op::OpVariable || defined->op() == Op::OpFunctionParameter);
+  };
+  const Id query = proceed.operand(0);
+  const Instruction* const defined = module.definition(query);
+  if (is_object(query)) {
+    return {query, 0, {}};
+  }
+  const bool is_chain = defined != nullptr && (defined->op() == Op::OpAccessChain ||
+                                               defined->op() == Op::OpInBoundsAccessChain);
+  if (!is_chain || !is_object(defined->operand(0))) {
+    proceed.fail("uses a ray query that is neither a variable nor an element of one");
+  }
+  const auto indices = defined->operands().subspan(1);
+  return {defined->operand(0), defined->type(), {indices.begin(), indices.end()}};
+}
+
+void QueryRecords::put_step(CodeBuilder& code, const Instruction& proceed) {
+  const Path path = path_to(proceed);
+  std::vector<Id> call{step_function(path), path.base};
+  for (const Id index : path.indices) {
+    if (!is_constant(index)) {
+      call.push_back(index);
+    }
+  }
+  call.push_back(proceed.result());
+  code.emit(Op::OpFunctionCall, types_.void_type(), call);
+}
+
+Id QueryRecords::step_function(const Path& path) {
+  const Module& module = types_.module();
+  std::vector<Id> parameters{module.type_of(path.base)};
+  Key key{path.element_pointer, parameters[0]};
+  for (const Id index : path.indices) {
+    key.push_back(is_constant(index) ? index : module.type_of(index));
+    if (!is_constant(index)) {
+      parameters.push_back(module.type_of(index));
+    }
+  }
+  parameters.push_back(types_.bool_type());
+  const auto [known, fresh] = functions_.emplace(key, 0);
+  if (!fresh) {
+    return known->second;
+  }
+  known->second = types_.fresh_id();
+  CodeBuilder code(types_);
+  code.add(Instruction(Op::OpFunction, std::vector{types_.void_type(), known->second, 0u,
+                                                   types_.procedure_type(parameters)}));
+  std::vector<Id> arguments;
+  for (const Id type : parameters) {
+    arguments.push_back(code.emit(Op::OpFunctionParameter, type, {}));
+  }
+  const Id label = types_.fresh_id();
+  code.add(Instruction(Op::OpLabel, std::vector{label}));
+  Id query = arguments[0];
+  if (path.element_pointer != 0) {
+    std::vector<Id> chain{query};
+    std::size_t next = 1;
+    for (const Id index : path.indices) {
+      chain.push_back(is_constant(index) ? index : arguments[next++]);
+    }
+    query = code.emit(Op::OpAccessChain, path.element_pointer, chain);
+  }
+  write_step(code, query, arguments.back(), label);
+  code.add(Instruction(Op::OpReturn, std::vector<std::uint32_t>{}));
+  code.add(Instruction(Op::OpFunctionEnd, std::vector<std::uint32_t>{}));
+  code_.push_back(code.take());
+  return known->second;
+}
+
+void QueryRecords::write_step(CodeBuilder& code, Id query, Id more, Id entry_label) const {
+  QueryReader committed(code, query, spv::RayQueryIntersection::RayQueryCommittedIntersectionKHR);
   const Id zero = code.constant(0);
   const Id type = committed.word(Op::OpRayQueryGetIntersectionTypeKHR);
   const Id exists = code.compare(Op::OpINotEqual, type, zero);
-  // Without a committed intersection the getters give undefined values.
-  const auto defined = [&](Id value) { return code.select(exists, value, zero); };
+  const Id hit_label = types_.fresh_id();
+  const Id merge_label = types_.fresh_id();
+  code.add(Instruction(Op::OpSelectionMerge, std::vector{merge_label, 0u}));
+  code.add(Instruction(Op::OpBranchConditional, std::vector{exists, hit_label, merge_label}));
+
+  code.add(Instruction(Op::OpLabel, std::vector{hit_label}));
   const Id is_triangle = code.compare(Op::OpIEqual, type, code.constant(kCommittedTriangle));
   const Id front = committed.flag(Op::OpRayQueryGetIntersectionFrontFaceKHR);
-  const Id more = code.select(proceed.result(), code.constant(1), zero);
+  const Id hit = code.uvec4(type, committed.t(),
+                            committed.word(Op::OpRayQueryGetIntersectionPrimitiveIndexKHR),
+                            committed.word(Op::OpRayQueryGetIntersectionInstanceIdKHR));
+  const Id place_of_hit =
+      code.uvec4(committed.word(Op::OpRayQueryGetIntersectionGeometryIndexKHR),
+                 committed.word(Op::OpRayQueryGetIntersectionInstanceCustomIndexKHR), zero,
+                 code.select(is_triangle, front, zero));
+  code.add(Instruction(Op::OpBranch, std::vector{merge_label}));
 
-  const RecordSite site = writer.begin(code);
+  code.add(Instruction(Op::OpLabel, std::vector{merge_label}));
+  const Id uvec4 = types_.uvec_type(4);
+  const Id none = types_.composite(uvec4, {0, 0, 0, 0});
+  const Id first = code.emit(Op::OpPhi, uvec4, {hit, hit_label, none, entry_label});
+  const Id second = code.emit(Op::OpPhi, uvec4, {place_of_hit, hit_label, none, entry_label});
+  const RecordSite site = writer_.begin(code);
   const RecordPlace place =
-      writer.open(code, site, RecordKind::kQueryStep, capture::kQueryStepUnits);
-  writer.put(code, place, 1,
-             code.uvec4(type, defined(committed.t()),
-                        defined(committed.word(Op::OpRayQueryGetIntersectionPrimitiveIndexKHR)),
-                        defined(committed.word(Op::OpRayQueryGetIntersectionInstanceIdKHR))));
-  writer.put(
-      code, place, 2,
-      code.uvec4(defined(committed.word(Op::OpRayQueryGetIntersectionGeometryIndexKHR)),
-                 defined(committed.word(Op::OpRayQueryGetIntersectionInstanceCustomIndexKHR)), more,
-                 code.select(is_triangle, front, zero)));
+      writer_.open(code, site, RecordKind::kQueryStep, capture::kQueryStepUnits);
+  writer_.put(code, place, 1, first);
+  writer_.put(code, place, 2,
+              code.uvec4(code.component(second, 0), code.component(second, 1),
+                         code.select(more, code.constant(1), zero), code.component(second, 3)));
 }
 
-void put_query_verdict(CodeBuilder& code, const RecordWriter& writer,
-                       const Instruction& instruction) {
-  QueryReader candidate(code, instruction.operand(0),
-                        spv::RayQueryIntersection::RayQueryCandidateIntersectionKHR);
-  const Id type = candidate.word(Op::OpRayQueryGetIntersectionTypeKHR);
-  const bool generates = instruction.op() == Op::OpRayQueryGenerateIntersectionKHR;
-  const Id t = generates ? code.as_uint(instruction.operand(1), &instruction) : candidate.t();
-  const Id verdict = code.constant(static_cast<std::uint32_t>(verdict_of(instruction)));
-
-  const RecordSite site = writer.begin(code);
+void QueryRecords::put_verdict(CodeBuilder& code, const Instruction& instruction) const {
+  const bool terminates = instruction.op() == Op::OpRayQueryTerminateKHR;
+  const AnyHitVerdict verdict = terminates ? AnyHitVerdict::kTerminate : AnyHitVerdict::kAccept;
+  const Id flag = code.constant(static_cast<std::uint32_t>(verdict));
+  const Id zero = code.constant(0);
+  Id first = types_.composite(types_.uvec_type(4), {0, 0, 0, 0});
+  Id second = code.uvec4(zero, zero, flag, zero);
+  // A query may be terminated without a candidate; then there is nothing to ask for.
+  if (!terminates) {
+    QueryReader candidate(code, instruction.operand(0),
+                          spv::RayQueryIntersection::RayQueryCandidateIntersectionKHR);
+    const bool generates = instruction.op() == Op::OpRayQueryGenerateIntersectionKHR;
+    const Id t = generates ? code.as_uint(instruction.operand(1), &instruction) : candidate.t();
+    first = code.uvec4(candidate.word(Op::OpRayQueryGetIntersectionTypeKHR), t,
+                       candidate.word(Op::OpRayQueryGetIntersectionPrimitiveIndexKHR),
+                       candidate.word(Op::OpRayQueryGetIntersectionInstanceIdKHR));
+    second =
+        code.uvec4(candidate.word(Op::OpRayQueryGetIntersectionGeometryIndexKHR),
+                   candidate.word(Op::OpRayQueryGetIntersectionInstanceCustomIndexKHR), flag, zero);
+  }
+  const RecordSite site = writer_.begin(code);
   const RecordPlace place =
-      writer.open(code, site, RecordKind::kQueryVerdict, capture::kQueryVerdictUnits);
-  writer.put(code, place, 1,
-             code.uvec4(type, t, candidate.word(Op::OpRayQueryGetIntersectionPrimitiveIndexKHR),
-                        candidate.word(Op::OpRayQueryGetIntersectionInstanceIdKHR)));
-  writer.put(code, place, 2,
-             code.uvec4(candidate.word(Op::OpRayQueryGetIntersectionGeometryIndexKHR),
-                        candidate.word(Op::OpRayQueryGetIntersectionInstanceCustomIndexKHR),
-                        verdict, code.constant(0)));
+      writer_.open(code, site, RecordKind::kQueryVerdict, capture::kQueryVerdictUnits);
+  writer_.put(code, place, 1, first);
+  writer_.put(code, place, 2, second);
+}
+
+std::vector<std::vector<Instruction>> QueryRecords::take_functions() {
+  return std::exchange(code_, {});
 }
 
 }  // namespace a2rt::spirv

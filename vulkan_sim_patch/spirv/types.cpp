@@ -60,6 +60,12 @@ Id TypePool::type(spv::Op op, std::initializer_list<std::uint32_t> operands) {
   return id;
 }
 
+Id TypePool::procedure_type(const std::vector<Id>& parameters) {
+  std::vector<Id> signature{void_type()};
+  signature.insert(signature.end(), parameters.begin(), parameters.end());
+  return find_or_create(spv::Op::OpTypeFunction, 0, signature);
+}
+
 Id TypePool::unbounded_block(Id element, std::uint32_t stride) {
   const Id array = fresh_id();
   const Id block = fresh_id();

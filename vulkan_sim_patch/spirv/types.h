@@ -31,6 +31,8 @@ class TypePool {
   }
   // void f()
   Id procedure_type() { return type(spv::Op::OpTypeFunction, {void_type()}); }
+  // void f(parameters)
+  Id procedure_type(const std::vector<Id>& parameters);
   // A new struct whose one member is an unbounded array of `element`, laid out with `stride`.
   Id unbounded_block(Id element, std::uint32_t stride);
 

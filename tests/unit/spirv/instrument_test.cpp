@@ -77,6 +77,8 @@ TEST(Instrument, EachStageWritesItsRecords) {
       {"callables.rgen", {{kSegment, 1}, {kEnd, 1}}},
       {"query.comp", {{kRay, 1}, {kQueryStep, 1}, {kQueryVerdict, 3}, {kEnd, 1}}},
       {"query_sized.comp", {{kRay, 1}, {kQueryStep, 1}, {kEnd, 1}}},
+      // One function for the computed index, one for the constant.
+      {"query_array.comp", {{kRay, 1}, {kQueryStep, 2}, {kEnd, 1}}},
       // Once at the end and once before the discard.
       {"query.frag", {{kRay, 1}, {kQueryStep, 1}, {kEnd, 2}}},
   };
