@@ -65,6 +65,7 @@ def run_logged(
     """
     log.parent.mkdir(parents=True, exist_ok=True)
     tail: deque[str] = deque(maxlen=_TAIL_LINES)
+    errors: list[str] = []
     with log.open("a", encoding="utf-8", errors="replace") as out:
         out.write(f"$ {shlex.join(command)}\n")
         out.flush()
@@ -91,6 +92,8 @@ def run_logged(
                 out.write(line)
                 if not text.startswith("@progress"):
                     tail.append(text)
+                    if "error:" in text and len(errors) < _TAIL_LINES:
+                        errors.append(text)
                 if on_line is not None:
                     on_line(text)
             status = child.wait()
@@ -101,7 +104,8 @@ def run_logged(
             with _RUNNING_LOCK:
                 _RUNNING.discard(child)
     if status != 0:
-        shown = [line for line in tail if line.strip()]
+        # A program that names its error is quoted; of others the end is the best guess.
+        shown = errors or [line for line in tail if line.strip()]
         raise ProgramFailed(f"{what} {describe_status(status)}", status, shown, remedy, log)
 
 

@@ -37,7 +37,8 @@ def run(args: argparse.Namespace) -> int:
 
     out = options.output_folder(args, "out/demo")
     width, height = args.size
-    render = RenderOptions(width=width, height=height)
+    # One sample a pixel: enough to see every effect, short enough to wait for.
+    render = RenderOptions(width=width, height=height, spp=1)
     gpu = "table1" if "simulate" in core.subcommands() else None
     found = comparison.compare(
         [comparison.Item(name, render) for name in scenes.EMBEDDED],

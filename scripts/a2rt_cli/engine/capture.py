@@ -9,7 +9,7 @@ from pathlib import Path
 from a2rt_cli import console
 from a2rt_cli.engine import core, programs, renderer, scenes
 from a2rt_cli.engine.renderer import RenderOptions
-from a2rt_cli.files import HashCache, hash_values, write_json
+from a2rt_cli.files import HashCache, hash_values, read_json, write_json
 
 _HASHES = HashCache()
 
@@ -48,10 +48,12 @@ def from_scene(
         with renderer.scratch(cache) as scratch:
             raw, picture, workload = scratch / "raw", scratch / "driver.png", scratch / "w.h5"
             raw.mkdir()
-            renderer.render(scene, options, picture, capture=raw, shown=shown)
-            core.import_capture(
-                raw, workload, scene=scene.name, workload=options.workload, shown=shown
-            )
+            numbers = scratch / "statistics.json"
+            extra = ["--json", str(numbers)]
+            renderer.render(scene, options, picture, capture=raw, shown=shown, extra=extra)
+            # "auto" is a choice of the program; results name what it chose.
+            chosen = read_json(numbers)["workload"]["name"]
+            core.import_capture(raw, workload, scene=scene.name, workload=chosen, shown=shown)
             folder.mkdir(parents=True, exist_ok=True)
             picture.replace(folder / "driver.png")
             workload.replace(folder / "workload.h5")
