@@ -60,11 +60,13 @@ void run(App& app) {
   small.insert(small.begin(), {0, 0});
   norm.description.geometry.triangles.indexData.deviceAddress = app.make_buffer(small).address;
   norm.range.primitiveOffset = 4;
-  // Flat triangles without indices, the first vertices skipped.
+  // Flat triangles without indices, the first vertices skipped. They do not overlap: surfaces at
+  // exactly the same distance would be told apart by the order of traversal alone.
   std::vector<float> flat;
   for (int i = 0; i < 24; ++i) {
-    const auto n = static_cast<float>(i);
-    flat.insert(flat.end(), {std::sin(n * 2) * 0.9f, std::cos(n * 3) * 0.9f});
+    const auto column = static_cast<float>(i / 3);
+    flat.insert(flat.end(),
+                {-0.9f + 0.22f * column + (i % 3 == 1 ? 0.15f : 0.0f), i % 3 == 2 ? 0.3f : -0.2f});
   }
   auto& plain = add(VK_FORMAT_R32G32_SFLOAT, 8, app.make_buffer(flat).address);
   plain.description.geometry.triangles.indexType = VK_INDEX_TYPE_NONE_KHR;
@@ -77,7 +79,7 @@ void run(App& app) {
       app.ray_pipeline({{VK_SHADER_STAGE_RAYGEN_BIT_KHR, "simple.rgen"},
                         {VK_SHADER_STAGE_MISS_BIT_KHR, "simple.rmiss"},
                         {VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, "color.rchit"}},
-                       {general(0), general(1), hit(2)}, {1, 1, 0});
+                       {general(0), general(1), hit(2), hit(2), hit(2)}, {1, 3, 0});
   app.run([&](VkCommandBuffer commands) { app.trace(commands, pipeline, set); });
 }
 const Program program("formats", run);
