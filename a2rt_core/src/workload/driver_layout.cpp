@@ -165,21 +165,54 @@ std::string check_typed(std::span<const std::byte> nodes, const Blas& blas, Node
   return problem.empty() ? check_leaves<Leaf>(tree, check, blas, primitives) : problem;
 }
 
-std::string check_instance(const InstanceLeaf& leaf, std::uint32_t index,
+std::string check_instance(const InstanceLeaf& leaf, std::uint32_t place, std::uint32_t index,
                            const Instance& instance) {
   if (leaf.instance != index) {
-    return leaf_differs(index, "instance id differs from its place");
+    return leaf_differs(place, "holds another instance");
   }
   if (std::memcmp(&leaf.world_to_object, &instance.world_to_object, sizeof(Affine)) != 0) {
-    return leaf_differs(index, "inverse transform differs from the captured one");
+    return leaf_differs(place, "inverse transform differs from the captured one");
   }
   if (leaf.custom_index_and_mask >> 24 != (instance.mask & 0xff)) {
-    return leaf_differs(index, "mask differs from the captured one");
+    return leaf_differs(place, "mask differs from the captured one");
   }
   if (decode_instance_flags(leaf.sbt_offset_and_flags) != (instance.flags & 0xf)) {
-    return leaf_differs(index, "flags differ from the captured ones");
+    return leaf_differs(place, "flags differ from the captured ones");
   }
   return "";
+}
+
+// The driver leaves out instances without structure and moves the others up; what remains at the
+// end is unused.
+std::string check_instances(const TreeView& tree, const TreeCheck& check, const Tlas& tlas) {
+  const auto count = static_cast<std::uint32_t>(tlas.instances.size());
+  std::uint32_t next = 0;  // instance expected in the next leaf, or one after it
+  for (std::uint32_t leaf = 0; leaf < count; ++leaf) {
+    const auto content = tree.read<InstanceLeaf>(tree.leaf_offset() + leaf * sizeof(InstanceLeaf));
+    while (next < count && tlas.instances[next].blas == kNone && content.instance != next) {
+      ++next;
+    }
+    if (next == count) {
+      if (check.reached(leaf)) {
+        return leaf_differs(leaf, "a box node leads to it, but there are no instances left");
+      }
+      continue;
+    }
+    const Instance& instance = tlas.instances[next];
+    const std::string problem =
+        instance.blas == kNone ? "" : check_instance(content, leaf, next, instance);
+    if (!problem.empty()) {
+      return problem;
+    }
+    if (instance.blas != kNone && !check.reached(leaf)) {
+      return leaf_differs(leaf, "no box node leads to it");
+    }
+    ++next;
+  }
+  while (next < count && tlas.instances[next].blas == kNone) {
+    ++next;
+  }
+  return next == count ? "" : "instance " + std::to_string(next) + " has no leaf";
 }
 
 }  // namespace
@@ -213,18 +246,7 @@ std::string check_tlas(std::span<const std::byte> nodes, const Tlas& tlas) {
   const TreeView tree(nodes);
   TreeCheck check(tree, leaves, NodeType::kInstance, sizeof(InstanceLeaf));
   problem = check.run();
-  for (std::uint32_t i = 0; problem.empty() && i < leaves; ++i) {
-    const Instance& instance = tlas.instances[i];
-    if (instance.blas == kNone) {
-      continue;  // the driver leaves an inactive instance's leaf as it is
-    }
-    const std::size_t offset = tree.leaf_offset() + i * sizeof(InstanceLeaf);
-    problem = check_instance(tree.read<InstanceLeaf>(offset), i, instance);
-    if (problem.empty() && !check.reached(i)) {
-      problem = leaf_differs(i, "no box node leads to it");
-    }
-  }
-  return problem;
+  return problem.empty() ? check_instances(tree, check, tlas) : problem;
 }
 
 }  // namespace a2rt::driver

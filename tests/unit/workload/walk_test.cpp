@@ -247,6 +247,37 @@ TEST(LayoutGuards, EveryDifferenceIsNamed) {
   }
 }
 
+TEST(LayoutGuards, InstancesWithoutStructureHaveNoLeaf) {
+  Blas blas;
+  add_square(blas, 1, true);
+  std::vector<Instance> instances(3);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    instances[i].object_to_world.m[2][3] = static_cast<float>(i);
+    instances[i].world_to_object.m[2][3] = -static_cast<float>(i);
+  }
+  Workload w = finish(std::move(blas), instances);
+  // As the driver does it: instance 0 is inactive, the others move up, the tree has two leaves.
+  w.tlas[0].instances[0].blas = kNone;
+  std::vector<std::byte>& nodes = w.tlas[0].driver_nodes;
+  const std::size_t leaves = 40 + 2 * 56, size = sizeof(driver::InstanceLeaf);
+  std::memmove(nodes.data() + leaves, nodes.data() + leaves + size, 2 * size);
+  std::memset(nodes.data() + leaves + 2 * size, 0, size);
+  driver::BoxNode root{};
+  std::memcpy(static_cast<void*>(&root), nodes.data() + 40, sizeof root);
+  root.bounds[0] = root.bounds[1] = {{-2, -2, 0}, {2, 2, 9}};
+  root.children[0] = static_cast<std::uint32_t>(leaves) | 2u;
+  root.children[1] = static_cast<std::uint32_t>(leaves + size) | 2u;
+  std::memcpy(nodes.data() + 40, static_cast<const void*>(&root), sizeof root);
+  EXPECT_EQ(driver::check_tlas(nodes, w.tlas[0]), "");
+  EXPECT_EQ(walk(w, upward()).instance, 1u);
+  EXPECT_EQ(walk(w, upward()).t, 2);
+  root.children[1] = static_cast<std::uint32_t>(leaves + 2 * size) | 2u;
+  std::memcpy(nodes.data() + 40, static_cast<const void*>(&root), sizeof root);
+  EXPECT_EQ(driver::check_tlas(nodes, w.tlas[0]), "leaf 1: no box node leads to it");
+  w.tlas[0].instances[0].blas = 0;
+  EXPECT_EQ(driver::check_tlas(nodes, w.tlas[0]), "leaf 0: holds another instance");
+}
+
 TEST(Check, ADifferenceIsCountedAndShown) {
   synthetic::Config config;
   config.width = config.height = 16;
