@@ -117,7 +117,35 @@ void require_procedure(const Module& module, const EntryDeclaration& entry) {
   }
 }
 
+// Starts a void function without parameters and gives back its id.
+Id begin_procedure(CodeBuilder& code) {
+  TypePool& types = code.types();
+  const Id function = types.fresh_id();
+  code.add(Instruction(Op::OpFunction,
+                       std::vector{types.void_type(), function, 0u, types.procedure_type()}));
+  code.add(Instruction(Op::OpLabel, std::vector{types.fresh_id()}));
+  return function;
+}
+
+void end_procedure(CodeBuilder& code) {
+  code.add(Instruction(Op::OpReturn, std::vector<std::uint32_t>{}));
+  code.add(Instruction(Op::OpFunctionEnd, std::vector<std::uint32_t>{}));
+}
+
 }  // namespace
+
+EntryWrapper wrap_silent_entry(const EntryDeclaration& entry, const Instrumentation& shared,
+                               TypePool& types) {
+  require_procedure(types.module(), entry);
+  EntryWrapper wrapper;
+  CodeBuilder code(types);
+  wrapper.function = begin_procedure(code);
+  shared.writer.enter(code, Stage::kOther, 0, code.constant(UINT32_MAX), false);
+  code.emit(Op::OpFunctionCall, types.void_type(), {entry.function});
+  end_procedure(code);
+  wrapper.code = code.take();
+  return wrapper;
+}
 
 EntryWrapper wrap_entry(const EntryDeclaration& entry, const Instrumentation& shared,
                         BuiltinPool& builtins, std::uint32_t shader) {
@@ -126,17 +154,13 @@ EntryWrapper wrap_entry(const EntryDeclaration& entry, const Instrumentation& sh
   const Stage stage = stage_of(entry.model);
   EntryInputs inputs(builtins, entry);
   EntryWrapper wrapper;
-  wrapper.function = types.fresh_id();
-
   CodeBuilder code(types);
-  code.add(Instruction(Op::OpFunction, std::vector{types.void_type(), wrapper.function, 0u,
-                                                   types.procedure_type()}));
-  code.add(Instruction(Op::OpLabel, std::vector{types.fresh_id()}));
+  wrapper.function = begin_procedure(code);
   const Id launch =
       stage == Stage::kCompute    ? compute_launch(code, inputs, entry, builtins.workgroup_size())
       : stage == Stage::kFragment ? fragment_launch(code, inputs, shared.writer, entry)
                                   : ray_tracing_launch(code, inputs, entry);
-  shared.writer.set_context(code, stage, shader, launch);
+  shared.writer.enter(code, stage, shader, launch, true);
   shared.counters.clear(code);
   enter(code, shared, inputs, stage);
   code.emit(Op::OpFunctionCall, types.void_type(), {entry.function});
@@ -144,8 +168,7 @@ EntryWrapper wrap_entry(const EntryDeclaration& entry, const Instrumentation& sh
     put_any_hit(code, shared, capture::AnyHitVerdict::kAccept);
   }
   put_end(code, shared);
-  code.add(Instruction(Op::OpReturn, std::vector<std::uint32_t>{}));
-  code.add(Instruction(Op::OpFunctionEnd, std::vector<std::uint32_t>{}));
+  end_procedure(code);
   wrapper.code = code.take();
   wrapper.inputs = inputs.used();
   return wrapper;

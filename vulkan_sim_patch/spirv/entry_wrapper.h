@@ -13,6 +13,11 @@ struct EntryWrapper {
   std::vector<Id> inputs;  // variables to add to the entry point's interface
 };
 
+// For an entry point that is not instrumented but shares a function that records: nothing of it is
+// recorded.
+EntryWrapper wrap_silent_entry(const EntryDeclaration& entry, const Instrumentation& shared,
+                               TypePool& types);
+
 EntryWrapper wrap_entry(const EntryDeclaration& entry, const Instrumentation& shared,
                         BuiltinPool& builtins, std::uint32_t shader);
 

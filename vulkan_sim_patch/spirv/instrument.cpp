@@ -75,8 +75,8 @@ class Rewriter {
             wrap_entry(declaration, shared_, builtins_, analysis.entry_points[i].shader);
         editor_.redirect(declaration, wrapper.function, variables(std::move(wrapper.inputs)));
         editor_.add_function(std::move(wrapper.code));
-      } else if (shares(declaration, edited)) {
-        editor_.redirect(declaration, declaration.function, variables({}));
+      } else {
+        adapt(declaration, edited);
       }
     }
     for (std::vector<Instruction>& function : queries_.take_functions()) {
@@ -91,16 +91,37 @@ class Rewriter {
     for (std::size_t f = 0; f < module_.functions().size(); ++f) {
       const Function& function = module_.functions()[f];
       if (edited.contains(f)) {
-        editor_.replace_function(function.id,
-                                 FunctionPass(shared_, types_, site).rewrite(function));
+        std::vector<Instruction> code = FunctionPass(shared_, types_, site).rewrite(function);
+        if (std::ranges::any_of(code, [&](const Instruction& i) { return records(i); })) {
+          recording_.insert(f);
+        }
+        editor_.replace_function(function.id, std::move(code));
       }
       site += static_cast<std::uint32_t>(std::ranges::count_if(function.code, is_trace_site));
     }
   }
 
-  bool shares(const EntryDeclaration& entry, const std::set<std::size_t>& edited) const {
-    return std::ranges::any_of(calls_.reached(entry.function),
-                               [&](std::size_t f) { return edited.contains(f); });
+  // True for inserted instructions that only record sites have.
+  bool records(const Instruction& instruction) const {
+    return (instruction.op() == spv::Op::OpLoad &&
+            instruction.operand(0) == writer_.variables().front()) ||
+           (instruction.op() == spv::Op::OpFunctionCall &&
+            instruction.operand(0) >= module_.bound());
+  }
+
+  // An entry point that is not instrumented may call functions that now count or record.
+  void adapt(const EntryDeclaration& entry, const std::set<std::size_t>& edited) {
+    const auto reaches = [&](const std::set<std::size_t>& functions) {
+      return std::ranges::any_of(calls_.reached(entry.function),
+                                 [&](std::size_t f) { return functions.contains(f); });
+    };
+    if (reaches(recording_)) {
+      EntryWrapper wrapper = wrap_silent_entry(entry, shared_, types_);
+      editor_.redirect(entry, wrapper.function, variables({}));
+      editor_.add_function(std::move(wrapper.code));
+    } else if (reaches(edited)) {
+      editor_.redirect(entry, entry.function, variables({}));
+    }
   }
 
   std::vector<Id> variables(std::vector<Id> inputs) const {
@@ -108,7 +129,7 @@ class Rewriter {
       const auto add = [&](const std::vector<Id>& more) {
         inputs.insert(inputs.end(), more.begin(), more.end());
       };
-      add({writer_.context_variable()});
+      add(writer_.variables());
       add(counters_.variables());
       add(hits_.variables());
     }
@@ -117,6 +138,7 @@ class Rewriter {
 
   const Module& module_;
   const CallGraph& calls_;
+  std::set<std::size_t> recording_;  // functions with record sites
   TypePool types_;
   RecordWriter writer_;
   Counters counters_;

@@ -17,10 +17,11 @@ constexpr std::uint32_t unit_of(std::size_t byte) {
 constexpr std::uint32_t word_of(std::size_t byte) {
   return static_cast<std::uint32_t>(byte % kUnitBytes / kWordBytes);
 }
-// The loads below take whole units apart; these say which words they find there.
-static_assert(offsetof(RecordHeader, cursor) == 0 && offsetof(RecordHeader, capacity) == 4 &&
-              offsetof(RecordHeader, dispatch) == 12);
-static_assert(offsetof(RecordHeader, records) == 16 && offsetof(RecordHeader, ordinals) == 24);
+// The Private variables: {tag, launch, enabled, dispatch}, {records, ordinals} as in the header,
+// {capacity, verdict_launches, ordinal_launches, 0}.
+enum Variable : std::size_t { kContext, kAddresses, kLimits, kVariables };
+static_assert(offsetof(RecordHeader, ordinals) == offsetof(RecordHeader, records) + 8 &&
+              offsetof(RecordHeader, records) % kUnitBytes == 0);
 
 }  // namespace
 
@@ -35,16 +36,37 @@ RecordWriter::RecordWriter(TypePool& types, std::uint64_t header_address)
   words_pointer_ = types.pointer_type(kPhysical, types.unbounded_block(types.uint_type(), 4));
   unit_pointer_ = types.pointer_type(kPhysical, types.uvec_type(4));
   word_pointer_ = types.pointer_type(kPhysical, types.uint_type());
-  // What an entry point sees that sets no context: nothing is recorded, no launch id is touched.
-  const auto other = static_cast<std::uint32_t>(capture::Stage::kOther) << 8;
-  context_ = types.variable(spv::StorageClass::Private, types.uvec_type(4),
-                            types.composite(types.uvec_type(4), {other, UINT32_MAX, 0, 0}));
+  const Id type = types.uvec_type(4);
+  const Id zero = types.composite(type, {0, 0, 0, 0});
+  for (std::size_t i = 0; i < kVariables; ++i) {
+    variables_.push_back(types.variable(spv::StorageClass::Private, type, zero));
+  }
 }
 
-void RecordWriter::set_context(CodeBuilder& code, capture::Stage stage, std::uint32_t shader,
-                               Id launch) const {
+void RecordWriter::enter(CodeBuilder& code, capture::Stage stage, std::uint32_t shader, Id launch,
+                         bool enabled) const {
+  const Id block = header(code);
+  const auto unit = [&](std::size_t byte) {
+    return load_unit(code, block, code.constant(unit_of(byte)));
+  };
+  const Id state = unit(offsetof(RecordHeader, cursor));
+  const Id limits = unit(offsetof(RecordHeader, verdict_launches));
   const std::uint32_t tag = static_cast<std::uint32_t>(stage) << 8 | shader << 16;
-  code.store(context_, code.uvec4(code.constant(tag), launch, code.constant(1), code.constant(0)));
+  code.store(variables_[kContext],
+             code.uvec4(code.constant(tag), launch, code.constant(enabled ? 1 : 0),
+                        code.component(state, word_of(offsetof(RecordHeader, dispatch)))));
+  code.store(variables_[kAddresses], unit(offsetof(RecordHeader, records)));
+  code.store(variables_[kLimits],
+             code.uvec4(code.component(state, word_of(offsetof(RecordHeader, capacity))),
+                        code.component(limits, word_of(offsetof(RecordHeader, verdict_launches))),
+                        code.component(limits, word_of(offsetof(RecordHeader, ordinal_launches))),
+                        code.constant(0)));
+}
+
+Id RecordWriter::header(CodeBuilder& code) const {
+  const Id address =
+      code.types().composite(code.types().uvec_type(2), {header_low(), header_high()});
+  return code.emit(Op::OpBitcast, units_pointer_, {address});
 }
 
 Id RecordWriter::at_address(CodeBuilder& code, Id pointer_type, Id low, Id high) const {
@@ -73,9 +95,9 @@ Id RecordWriter::load_word(CodeBuilder& code, Id words, Id index) const {
   return code.load_aligned(code.types().uint_type(), word_pointer(code, words, index), kWordBytes);
 }
 
-Id RecordWriter::header_word(CodeBuilder& code, Id header, std::size_t byte_offset) const {
+Id RecordWriter::header_word(CodeBuilder& code, std::size_t byte_offset) const {
   return code.emit(Op::OpAccessChain, word_pointer_,
-                   {header, code.constant(0), code.constant(unit_of(byte_offset)),
+                   {header(code), code.constant(0), code.constant(unit_of(byte_offset)),
                     code.constant(word_of(byte_offset))});
 }
 
@@ -85,26 +107,24 @@ Id RecordWriter::atomic_add(CodeBuilder& code, Id pointer, Id value) const {
 }
 
 RecordSite RecordWriter::begin(CodeBuilder& code) const {
+  const auto variable = [&](Variable which) {
+    return code.load(code.types().uvec_type(4), variables_[which]);
+  };
+  const Id context = variable(kContext);
+  const Id addresses = variable(kAddresses);
+  const Id limits = variable(kLimits);
   RecordSite site;
-  const Id context = code.load(code.types().uvec_type(4), context_);
   site.tag = code.component(context, 0);
   site.launch = code.component(context, 1);
   site.enabled = code.component(context, 2);
-  const Id address =
-      code.types().composite(code.types().uvec_type(2), {header_low(), header_high()});
-  site.header = code.emit(Op::OpBitcast, units_pointer_, {address});
-  const auto unit = [&](std::size_t byte) {
-    return load_unit(code, site.header, code.constant(unit_of(byte)));
-  };
-  site.state = unit(offsetof(RecordHeader, cursor));
-  site.addresses = unit(offsetof(RecordHeader, records));
-  site.limits = unit(offsetof(RecordHeader, verdict_launches));
-  const Id launches =
-      code.component(site.limits, word_of(offsetof(RecordHeader, ordinal_launches)));
+  site.dispatch = code.component(context, 3);
+  site.records = units_at(code, code.component(addresses, 0), code.component(addresses, 1));
+  site.capacity = code.component(limits, 0);
+  site.verdict_launches = code.component(limits, 1);
+  const Id launches = code.component(limits, 2);
   const Id slot =
       code.select(code.compare(Op::OpULessThan, site.launch, launches), site.launch, launches);
-  const Id ordinals =
-      words_at(code, code.component(site.addresses, 2), code.component(site.addresses, 3));
+  const Id ordinals = words_at(code, code.component(addresses, 2), code.component(addresses, 3));
   site.ordinal_ptr = word_pointer(code, ordinals, slot);
   site.ordinal = code.load_aligned(code.types().uint_type(), site.ordinal_ptr, kWordBytes);
   return site;
@@ -123,27 +143,23 @@ RecordPlace RecordWriter::open(CodeBuilder& code, const RecordSite& site, captur
                                std::uint32_t units) const {
   const Id zero = code.constant(0);
   const Id count = code.constant(units);
-  const Id cursor = code.component(site.state, 0);
-  const Id capacity = code.component(site.state, 1);
+  const Id cursor_ptr = header_word(code, offsetof(RecordHeader, cursor));
+  const Id cursor = code.load_aligned(code.types().uint_type(), cursor_ptr, kWordBytes);
   // A full buffer is left alone, so that the cursor cannot wrap around in a long run.
   const Id has_room =
-      code.compare(Op::OpLogicalAnd, code.compare(Op::OpULessThan, cursor, capacity),
+      code.compare(Op::OpLogicalAnd, code.compare(Op::OpULessThan, cursor, site.capacity),
                    code.compare(Op::OpINotEqual, site.enabled, zero));
-  const Id claimed =
-      atomic_add(code, header_word(code, site.header, offsetof(RecordHeader, cursor)),
-                 code.select(has_room, count, zero));
+  const Id claimed = atomic_add(code, cursor_ptr, code.select(has_room, count, zero));
   const Id end = code.binary(Op::OpIAdd, claimed, count);
-  const Id fits =
-      code.compare(Op::OpLogicalAnd, has_room, code.compare(Op::OpULessThanEqual, end, capacity));
-  atomic_add(code, header_word(code, site.header, offsetof(RecordHeader, lost)),
+  const Id fits = code.compare(Op::OpLogicalAnd, has_room,
+                               code.compare(Op::OpULessThanEqual, end, site.capacity));
+  atomic_add(code, header_word(code, offsetof(RecordHeader, lost)),
              code.select(fits, zero, site.enabled));
 
-  RecordPlace place;
-  place.base = units_at(code, code.component(site.addresses, 0), code.component(site.addresses, 1));
-  place.offset = code.select(fits, claimed, capacity);
+  const RecordPlace place{site.records, code.select(fits, claimed, site.capacity)};
   const Id first =
       code.binary(Op::OpBitwiseOr, site.tag, code.constant(static_cast<std::uint32_t>(kind)));
-  put(code, place, 0, code.uvec4(first, site.launch, code.component(site.state, 3), site.ordinal));
+  put(code, place, 0, code.uvec4(first, site.launch, site.dispatch, site.ordinal));
   return place;
 }
 

@@ -12,13 +12,13 @@ namespace a2rt::spirv {
 
 // Values a record site needs, loaded once per site.
 struct RecordSite {
-  Id tag = 0;          // stage << 8 | shader << 16
-  Id launch = 0;       // linear launch id
-  Id enabled = 0;      // 1, or 0 if an entry point that records nothing got here
-  Id header = 0;       // pointer to the header block
-  Id state = 0;        // uvec4 cursor, capacity, lost, dispatch
-  Id addresses = 0;    // uvec4 records, ordinals
-  Id limits = 0;       // uvec4 verdict_launches, ordinal_launches, launch_width, reserved
+  Id tag = 0;      // stage << 8 | shader << 16
+  Id launch = 0;   // linear launch id
+  Id enabled = 0;  // 1, or 0 if an entry point that records nothing got here
+  Id dispatch = 0;
+  Id records = 0;  // pointer to the block of record units
+  Id capacity = 0;
+  Id verdict_launches = 0;
   Id ordinal_ptr = 0;  // of this launch id
   Id ordinal = 0;      // its value
 };
@@ -33,9 +33,12 @@ class RecordWriter {
  public:
   RecordWriter(TypePool& types, std::uint64_t header_address);
 
-  // The Private uvec4 {tag, launch, enabled, 0} that a wrapper sets before anything else.
-  Id context_variable() const { return context_; }
-  void set_context(CodeBuilder& code, capture::Stage stage, std::uint32_t shader, Id launch) const;
+  // Private variables that enter() sets and every site reads: what the header says does not change
+  // during a dispatch, and loads from memory are dear.
+  const std::vector<Id>& variables() const { return variables_; }
+  // Must run before any site. With `enabled` false sites write nothing but the spare units.
+  void enter(CodeBuilder& code, capture::Stage stage, std::uint32_t shader, Id launch,
+             bool enabled) const;
 
   RecordSite begin(CodeBuilder& code) const;
   void reset_ordinal(CodeBuilder& code, const RecordSite& site) const;
@@ -54,23 +57,24 @@ class RecordWriter {
   Id words_at(CodeBuilder& code, Id low, Id high) const;
   Id load_unit(CodeBuilder& code, Id units, Id index) const;
   Id load_word(CodeBuilder& code, Id words, Id index) const;
-  // The header itself, as {low, high}.
+  Id header(CodeBuilder& code) const;  // block of units
+  // Address of the header.
   std::uint32_t header_low() const { return static_cast<std::uint32_t>(header_address_); }
   std::uint32_t header_high() const { return static_cast<std::uint32_t>(header_address_ >> 32); }
 
  private:
   Id word_pointer(CodeBuilder& code, Id words, Id index) const;
   Id at_address(CodeBuilder& code, Id pointer_type, Id low, Id high) const;
-  Id header_word(CodeBuilder& code, Id header, std::size_t byte_offset) const;
+  Id header_word(CodeBuilder& code, std::size_t byte_offset) const;
   Id atomic_add(CodeBuilder& code, Id pointer, Id value) const;
 
   std::uint64_t header_address_;
   std::uint32_t scope_;
-  Id context_ = 0;
-  Id units_pointer_ = 0;  // type: pointer to a block of uvec4
-  Id words_pointer_ = 0;  // type: pointer to a block of uint
-  Id unit_pointer_ = 0;   // type: pointer to uvec4
-  Id word_pointer_ = 0;   // type: pointer to uint
+  std::vector<Id> variables_;  // see kContext .. kLimits in the source
+  Id units_pointer_ = 0;       // type: pointer to a block of uvec4
+  Id words_pointer_ = 0;       // type: pointer to a block of uint
+  Id unit_pointer_ = 0;        // type: pointer to uvec4
+  Id word_pointer_ = 0;        // type: pointer to uint
 };
 
 }  // namespace a2rt::spirv

@@ -21,12 +21,11 @@ RayArguments apply_verdict(CodeBuilder& code, const RecordWriter& writer, const 
   const Id low = code.constant(writer.header_low());
   const Id high = code.constant(writer.header_high());
   constexpr std::uint32_t kTablesUnit = offsetof(RecordHeader, verdict_index) / capture::kUnitBytes;
-  const Id tables = writer.load_unit(code, site.header, code.constant(kTablesUnit));
+  const Id tables = writer.load_unit(code, writer.header(code), code.constant(kTablesUnit));
 
   // Loads are not guarded by branches, so where there is nothing to look up they read the header,
   // which always exists, and the value is dropped.
-  const Id launches = code.component(site.limits, 0);
-  const Id covered = code.compare(Op::OpULessThan, site.launch, launches);
+  const Id covered = code.compare(Op::OpULessThan, site.launch, site.verdict_launches);
   const Id index_low = code.select(covered, code.component(tables, 0), low);
   const Id index_high = code.select(covered, code.component(tables, 1), high);
   const Id index = writer.words_at(code, index_low, index_high);

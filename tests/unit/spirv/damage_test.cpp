@@ -66,8 +66,8 @@ TEST(Damage, RandomWordsAnywhereAreSurvived) {
             word = words[random() % words.size()];
             break;
           default:
-            word = static_cast<std::uint32_t>(random() %
-                                              words[3]);  // another id, most likely one that exists
+            word = static_cast<std::uint32_t>(
+                random() % module.words[3]);  // another id, most likely one that exists
             break;
         }
       }

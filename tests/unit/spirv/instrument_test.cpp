@@ -171,6 +171,28 @@ TEST(Instrument, AFunctionSharedByTwoStagesRecordsTheShaderThatRuns) {
   EXPECT_EQ(entry_tags(everything("twice.asm").words), twice);
 }
 
+TEST(Instrument, AnEntryPointThatCannotRecordIsSilentInASharedFunction) {
+  const InstrumentResult result = everything("silent.asm");
+  EXPECT_FALSE(result.analysis.entry_points.at(0).instrumented);
+  EXPECT_TRUE(result.analysis.entry_points.at(1).instrumented);
+  EXPECT_EQ(result.shader_count, 1u);
+  const std::map<std::string, std::uint32_t> expected{
+      {"vertex", static_cast<std::uint32_t>(Stage::kOther) << 8},
+      {"fragment", static_cast<std::uint32_t>(Stage::kFragment) << 8}};
+  EXPECT_EQ(entry_tags(result.words), expected);
+  // The third word of the context switches recording on.
+  const Module module = Module::parse(result.words);
+  for (const EntryDeclaration& entry : entry_declarations(module)) {
+    for (const Instruction& i : module.function(entry.function)->code) {
+      if (i.op() == Op::OpStore) {
+        const Instruction* const context = module.definition(i.operand(1));
+        EXPECT_EQ(constant(module, context->operand(2)), entry.name == "fragment" ? 1u : 0u);
+        break;
+      }
+    }
+  }
+}
+
 TEST(Instrument, BuiltinsAreAddedOnlyWhereTheyAreUsed) {
   const Module module = Module::parse(everything("linked.v12").words);
   std::map<Id, std::uint32_t> builtins;
