@@ -9,11 +9,11 @@ namespace a2rt::effects {
 
 struct Effect {
   std::string name;
-  std::uint32_t bit = 0;    // kEffect* of glsl/shared.h
-  std::string sentence;     // what it shows
-  std::string rays;         // what it traces, in words; empty: no rays of its own
+  std::uint32_t bit = 0;            // kEffect* of glsl/shared.h
+  std::string sentence;             // what it shows
+  std::string rays;                 // what it traces, in words; empty: no rays of its own
   std::vector<std::string> stages;  // shader stages that carry it
-  std::string part;         // simulator part that it alone needs; empty: none
+  std::string part;                 // simulator part that it alone needs; empty: none
 };
 
 // All effects, in the order they are listed.

@@ -39,9 +39,9 @@ scene::Scene make_cornell() {
   const auto lamp = add_material(s, scene::emissive("lamp", {7.2F, 6.0F, 4.4F}));
 
   Primitive shell = of(white);
-  scene::add_quad(shell, {0, 0, kSide}, {kSide, 0, 0}, {0, 0, -kSide});    // floor
-  scene::add_quad(shell, {0, kSide, 0}, {kSide, 0, 0}, {0, 0, kSide});     // ceiling
-  scene::add_quad(shell, {0, 0, 0}, {kSide, 0, 0}, {0, kSide, 0});         // back
+  scene::add_quad(shell, {0, 0, kSide}, {kSide, 0, 0}, {0, 0, -kSide});  // floor
+  scene::add_quad(shell, {0, kSide, 0}, {kSide, 0, 0}, {0, 0, kSide});   // ceiling
+  scene::add_quad(shell, {0, 0, 0}, {kSide, 0, 0}, {0, kSide, 0});       // back
   Primitive left = of(red);
   scene::add_quad(left, {0, 0, kSide}, {0, 0, -kSide}, {0, kSide, 0});
   Primitive right = of(green);
@@ -62,8 +62,8 @@ scene::Scene make_cornell() {
   scene::add_sphere(bead, {1.55F, 0.45F, 4.15F}, 0.45F, 32, 64);
   place(s, "gold ball", {bead});
 
-  s.cameras.push_back(
-      scene::look_at("front", {kSide / 2, kSide / 2, 13.2F}, {kSide / 2, kSide / 2 - 0.05F, 0}, 38));
+  s.cameras.push_back(scene::look_at("front", {kSide / 2, kSide / 2, 13.2F},
+                                     {kSide / 2, kSide / 2 - 0.05F, 0}, 38));
   return s;
 }
 

@@ -19,8 +19,8 @@ constexpr float kTau = 6.2831853F;
 
 // Rolling ground with a hollow path along z.
 float ground_height(float x, float z) {
-  const float path = std::exp(-0.08F * (x - 1.5F * std::sin(0.12F * z)) *
-                              (x - 1.5F * std::sin(0.12F * z)));
+  const float path =
+      std::exp(-0.08F * (x - 1.5F * std::sin(0.12F * z)) * (x - 1.5F * std::sin(0.12F * z)));
   return 0.6F * std::sin(0.11F * x + 0.4F) * std::cos(0.09F * z) + 0.25F * std::sin(0.31F * z) -
          0.5F * path;
 }
@@ -73,13 +73,13 @@ void paint_leaf(scene::Texture& t, float at_x, float at_y, float angle, float le
       const float rib = std::abs(across) < 0.02F ? 1.25F : 1.0F;
       const float vein = 1 + 0.08F * std::sin(40 * (along - std::abs(across)));
       const float light = shade * rib * vein;
-      put(t, x, y, {0.40F * light, 0.60F * light, 0.20F * light, 1});
+      put(t, x, y, {0.55F * light, 0.74F * light, 0.28F * light, 1});
     }
   }
 }
 
 scene::Texture leaf_texture() {
-  scene::Texture t = blank("leaves", 128, {0.36F, 0.55F, 0.18F, 0});
+  scene::Texture t = blank("leaves", 128, {0.52F, 0.70F, 0.26F, 0});
   t.wrap_u = t.wrap_v = scene::Wrap::kClamp;
   Random random(7);
   for (int i = 0; i < 11; ++i) {
@@ -92,7 +92,7 @@ scene::Texture leaf_texture() {
 }
 
 scene::Texture grass_texture() {
-  scene::Texture t = blank("grass", 128, {0.30F, 0.42F, 0.14F, 0});
+  scene::Texture t = blank("grass", 128, {0.50F, 0.64F, 0.25F, 0});
   t.wrap_u = t.wrap_v = scene::Wrap::kClamp;
   Random random(11);
   for (int blade = 0; blade < 26; ++blade) {
@@ -108,7 +108,7 @@ scene::Texture grass_texture() {
         if (x >= 0 && x < 128) {
           const float light = shade * (0.6F + 0.5F * h);
           put(t, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(127 - y),
-              {0.42F * light, 0.58F * light, 0.20F * light, 1});
+              {0.56F * light, 0.70F * light, 0.28F * light, 1});
         }
       }
     }
@@ -122,8 +122,9 @@ scene::Texture bark_texture() {
   for (std::uint32_t x = 0; x < 64; ++x) {
     const float ridge = 0.75F + 0.25F * std::sin(kTau * 5 * static_cast<float>(x) / 64);
     for (std::uint32_t y = 0; y < 64; ++y) {
-      const float crack = 0.85F + 0.15F * std::sin(kTau * (static_cast<float>(y) / 32 +
-                                                           static_cast<float>(x % 13) / 13));
+      const float crack =
+          0.85F +
+          0.15F * std::sin(kTau * (static_cast<float>(y) / 32 + static_cast<float>(x % 13) / 13));
       const float v = ridge * crack * random.between(0.8F, 1.0F);
       put(t, x, y, {0.52F * v, 0.42F * v, 0.33F * v, 1});
     }
@@ -181,8 +182,8 @@ std::vector<Primitive> make_tree(Random& random, const TreeShape& shape, std::ui
     const float bulge = std::sin(3.14159265F * (0.18F + 0.8F * share));
     const float length = shape.crown_width * bulge * random.between(0.8F, 1.15F);
     const vec3 from = spine_at(h);
-    const vec3 out = glm::normalize(
-        vec3(std::cos(phi), random.between(0.15F, 0.55F), std::sin(phi)));
+    const vec3 out =
+        glm::normalize(vec3(std::cos(phi), random.between(0.15F, 0.55F), std::sin(phi)));
     const vec3 tip = from + length * out;
     scene::add_tube(wood, from, tip, 0.45F * radius_at(h), 0.1F * radius_at(h) + 0.004F, 5);
     for (int l = 0; l < shape.leaves_per_branch; ++l) {
@@ -272,7 +273,7 @@ scene::Scene make_forest() {
   bark_material.base_texture = 0;
   s.textures.push_back(bark_texture());
   const auto bark = add_material(s, bark_material);
-  const auto soil = add_material(s, scene::diffuse("soil", {0.13F, 0.16F, 0.06F}));
+  const auto soil = add_material(s, scene::diffuse("soil", {0.22F, 0.22F, 0.09F}));
   const auto green = add_leafy(s, "leaves green", {0.9F, 1.0F, 0.7F}, leaf_texture());
   scene::Material gold_material = s.materials[green];
   gold_material.name = "leaves gold";
@@ -317,12 +318,12 @@ scene::Scene make_forest() {
   scene::Light sun;
   sun.name = "sun";
   sun.direction = glm::normalize(vec3(-0.55F, 0.62F, 0.32F));
-  sun.color = vec3(3.4F, 2.9F, 2.2F);
+  sun.color = vec3(6.6F, 5.6F, 4.2F);
   sun.radius = 0.012F;
   s.lights.push_back(sun);
   s.sky.present = true;
-  s.sky.bottom = {0.80F, 0.84F, 0.88F};
-  s.sky.top = {0.26F, 0.46F, 0.86F};
+  s.sky.bottom = {1.15F, 1.18F, 1.20F};
+  s.sky.top = {0.36F, 0.60F, 1.05F};
   s.cameras.push_back(scene::look_at("path", {0.4F, 1.9F, 25}, {0.2F, 2.6F, 0}, 46));
   return s;
 }

@@ -115,10 +115,10 @@ void add_far_parts(scene::Scene& s, std::uint32_t plain, std::uint32_t rock) {
     const float height = random.between(2.5e3F, 8.5e3F);
     const float width = random.between(3e3F, 8e3F);
     const auto first = static_cast<std::uint32_t>(range.positions.size());
-    range.positions.insert(range.positions.end(),
-                           {vec3(x, height, z), vec3(x - width, 0, z + width),
-                            vec3(x + width, 0, z + width), vec3(x + width, 0, z - width),
-                            vec3(x - width, 0, z - width)});
+    range.positions.insert(
+        range.positions.end(),
+        {vec3(x, height, z), vec3(x - width, 0, z + width), vec3(x + width, 0, z + width),
+         vec3(x + width, 0, z - width), vec3(x - width, 0, z - width)});
     for (std::uint32_t f = 1; f <= 4; ++f) {
       range.indices.insert(range.indices.end(), {first, first + f, first + f % 4 + 1});
     }
@@ -211,7 +211,7 @@ scene::Scene make_torture() {
   s.sky.present = true;
   s.sky.bottom = {0.86F, 0.88F, 0.92F};
   s.sky.top = {0.30F, 0.48F, 0.85F};
-  s.cameras.push_back(scene::look_at("gallery", {0.3F, 2.9F, 9.2F}, {0, 0.95F, 0}, 40));
+  s.cameras.push_back(scene::look_at("gallery", {0.2F, 3.0F, 10.4F}, {0.05F, 0.95F, 0}, 40));
   return s;
 }
 

@@ -82,7 +82,8 @@ vec3 light_from_emitters(vec3 p, vec3 n, uint key) {
   vec3 direction = towards / distance_to;
   vec3 face = cross(e.edge1, e.edge2);  // twice the area long
   float cosine = dot(n, direction);
-  float cosine_light = abs(dot(face, direction)) * 0.5;  // times the area
+  float facing = -dot(face, direction) * 0.5;  // cosine times the area
+  float cosine_light = e.single_sided != 0u ? facing : abs(facing);
   if (cosine <= 0.0 || cosine_light <= 0.0) {
     return vec3(0.0);
   }

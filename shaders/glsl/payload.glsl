@@ -18,4 +18,5 @@ struct PathPayload {
   vec3 normal;  // shading normal on the ray's side
   uint glass;   // 1: the surface transmits
   vec3 base;    // colour of the surface before scattering
+  uint sampled;  // 1: shadow rays to emitters account for this emission
 };

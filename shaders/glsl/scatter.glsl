@@ -7,6 +7,7 @@ struct Surface {
   vec2 uv;
   uint material;
   float t;
+  bool triangle;
 };
 
 float schlick(float cosine, float r0) {
@@ -216,6 +217,7 @@ void scatter(Surface s, vec3 d, inout PathPayload p) {
   p.glass = 0;
   p.normal = n;
   p.emission = emitted(m, s.uv, front);
+  p.sampled = s.triangle && m.emissive_texture < 0 ? 1u : 0u;
   p.base = base;
   p.attenuation = base;
   p.lobe = kLobeNone;

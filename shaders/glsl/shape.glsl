@@ -7,6 +7,7 @@ Surface shape_surface(uint geometry_index) {
   Shape shape = shapes[g.first_index + uint(gl_PrimitiveID)];
   Surface s;
   s.t = gl_HitTEXT;
+  s.triangle = false;
   s.material = shape.material;
   vec3 local = gl_ObjectRayOriginEXT + gl_HitTEXT * gl_ObjectRayDirectionEXT;
   vec3 n;

@@ -1,5 +1,6 @@
 // Data layouts and numbers that GLSL and C++ share; compiled as both, so they cannot drift.
-// GLSL side: scalar block layout (GL_EXT_scalar_block_layout), which packs as C++ packs these types.
+// GLSL side: scalar block layout (GL_EXT_scalar_block_layout), which packs as C++ packs these
+// types.
 #ifndef A2RT_SHADERS_SHARED_H
 #define A2RT_SHADERS_SHARED_H
 
@@ -146,6 +147,7 @@ struct Emitter {
   vec3 emission;
   float cumulative;  // share of the emitted power of all emitters up to this one, 1 at the last
   float probability;
+  uint single_sided;  // 1: shines along edge1 x edge2 only
 };
 
 struct Frame {
@@ -155,7 +157,7 @@ struct Frame {
   float t_min;
   vec3 right;  // half width of the picture at the focus distance
   float t_max;
-  vec3 up;  // half height
+  vec3 up;             // half height
   float orthographic;  // 1: rays start on the picture plane
   vec3 sky_bottom;
   float ao_distance;
@@ -181,7 +183,7 @@ struct Frame {
 
 #ifdef __cplusplus
 static_assert(sizeof(Vertex) == 32 && sizeof(Geometry) == 16 && sizeof(Material) == 96);
-static_assert(sizeof(Shape) == 28 && sizeof(Light) == 56 && sizeof(Emitter) == 56);
+static_assert(sizeof(Shape) == 28 && sizeof(Light) == 56 && sizeof(Emitter) == 60);
 }  // namespace a2rt::gpu
 #endif
 

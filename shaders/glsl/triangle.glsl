@@ -8,6 +8,7 @@ Surface triangle_surface(uint geometry_index, vec2 attribs) {
   vec3 w = vec3(1.0 - attribs.x - attribs.y, attribs.x, attribs.y);
   Surface s;
   s.t = gl_HitTEXT;
+  s.triangle = true;
   vec3 local = a.position * w.x + b.position * w.y + c.position * w.z;
   s.position = gl_ObjectToWorldEXT * vec4(local, 1.0);
   // Normals go by the inverse transpose; its sign keeps the front of a mirrored instance.

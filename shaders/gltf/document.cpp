@@ -11,10 +11,11 @@ namespace a2rt::gltf {
 namespace {
 
 const std::set<std::string> kSupported = {
-    "KHR_materials_transmission", "KHR_materials_ior",       "KHR_materials_volume",
-    "KHR_materials_emissive_strength", "KHR_materials_clearcoat", "KHR_lights_punctual",
-    "EXT_mesh_gpu_instancing",    "KHR_mesh_quantization",   "KHR_texture_transform",
-    "A2RT_procedural"};
+    "KHR_materials_transmission", "KHR_materials_ior",
+    "KHR_materials_volume",       "KHR_materials_emissive_strength",
+    "KHR_materials_clearcoat",    "KHR_lights_punctual",
+    "EXT_mesh_gpu_instancing",    "KHR_mesh_quantization",
+    "KHR_texture_transform",      "A2RT_procedural"};
 
 // Images stay encoded here; textures.cpp decodes them. The bytes of buffer-view images are not
 // touched, because tinygltf does not check that they lie inside the buffer.
@@ -172,8 +173,7 @@ void Document::add_elements(Numbers& out, const tinygltf::Accessor& a, int index
   }
 }
 
-void Document::add_sparse(Numbers& out, const tinygltf::Accessor& a,
-                          const std::string& use) const {
+void Document::add_sparse(Numbers& out, const tinygltf::Accessor& a, const std::string& use) const {
   const auto& sparse = a.sparse;
   const auto read = [&](int view, std::size_t offset, int type, std::size_t components) {
     tinygltf::Accessor part;
@@ -214,8 +214,8 @@ Numbers Document::numbers(int accessor, std::size_t wanted, const std::string& u
   out.components = components(accessor);
   out.count = a.count;
   if (wanted != 0 && out.components != wanted) {
-    fail(use + ": accessor " + std::to_string(accessor) + " has " +
-         std::to_string(out.components) + " components an element, not " + std::to_string(wanted));
+    fail(use + ": accessor " + std::to_string(accessor) + " has " + std::to_string(out.components) +
+         " components an element, not " + std::to_string(wanted));
   }
   // An accessor without data is zeros; no honest file has more of them than this.
   constexpr std::size_t kMostZeros = std::size_t{1} << 26U;

@@ -318,8 +318,7 @@ class Exporter {
     for (const scene::Shape& s : set.shapes) {
       Value::Array entry;
       for (const glm::vec3& v : {s.centre, s.half_extent}) {
-        entry.insert(entry.end(),
-                     {Value(double{v.x}), Value(double{v.y}), Value(double{v.z})});
+        entry.insert(entry.end(), {Value(double{v.x}), Value(double{v.y}), Value(double{v.z})});
       }
       entry.emplace_back(static_cast<int>(s.material));
       entries.emplace_back(std::move(entry));
@@ -338,11 +337,11 @@ class Exporter {
         light["radius"] = Value(double{l.radius});
       }
     }
-    model_.scenes[0].extras = Value(Value::Object{
-        {"has_sky", Value(scene_.sky.present)},
-        {"sky", Value(Value::Object{{"bottom", array(scene_.sky.bottom)},
-                                    {"top", array(scene_.sky.top)}})},
-        {"light", Value(light)}});
+    model_.scenes[0].extras =
+        Value(Value::Object{{"has_sky", Value(scene_.sky.present)},
+                            {"sky", Value(Value::Object{{"bottom", array(scene_.sky.bottom)},
+                                                        {"top", array(scene_.sky.top)}})},
+                            {"light", Value(light)}});
   }
 
   const scene::Scene& scene_;

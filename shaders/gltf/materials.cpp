@@ -175,12 +175,10 @@ Material read_material(Document& document, Textures& textures, const tinygltf::M
 int uv_set_of(Document& document, const tinygltf::Material& from) {
   const auto& pbr = from.pbrMetallicRoughness;
   int set = -1;
-  for (const auto& [index, coord] : {std::pair(pbr.baseColorTexture.index,
-                                               pbr.baseColorTexture.texCoord),
-                                     std::pair(pbr.metallicRoughnessTexture.index,
-                                               pbr.metallicRoughnessTexture.texCoord),
-                                     std::pair(from.emissiveTexture.index,
-                                               from.emissiveTexture.texCoord)}) {
+  for (const auto& [index, coord] :
+       {std::pair(pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord),
+        std::pair(pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord),
+        std::pair(from.emissiveTexture.index, from.emissiveTexture.texCoord)}) {
     if (index >= 0 && set >= 0 && coord != set) {
       document.warn("material '" + from.name +
                     "' uses several texture coordinate sets; only the first is read");

@@ -51,8 +51,8 @@ std::vector<std::uint32_t> read_indices(const Place& place, const tinygltf::Prim
   indices.reserve(n.count);
   for (const double value : n.values) {
     if (!(value >= 0 && value < static_cast<double>(vertices))) {
-      place.fail("index " + std::to_string(static_cast<std::int64_t>(value)) +
-                 " is outside its " + std::to_string(vertices) + " vertices");
+      place.fail("index " + std::to_string(static_cast<std::int64_t>(value)) + " is outside its " +
+                 std::to_string(vertices) + " vertices");
     }
     indices.push_back(static_cast<std::uint32_t>(value));
   }

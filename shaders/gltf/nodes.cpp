@@ -128,7 +128,8 @@ class Walker {
                       const glm::dmat4& world) {
     if (node.skin >= 0) {
       // The transform of a skinned node does not count: its joints place it.
-      const std::uint32_t mesh = add(load_mesh(document_, node.mesh, uv_sets_, joints(node), scene_));
+      const std::uint32_t mesh =
+          add(load_mesh(document_, node.mesh, uv_sets_, joints(node), scene_));
       place(mesh, name, glm::dmat4(1));
       return;
     }
@@ -179,12 +180,11 @@ class Walker {
     }
     for (std::size_t i = 0; i < count; ++i) {
       const auto vec = [&](const Numbers& n, double fallback) {
-        return n.count == 0 ? glm::dvec3(fallback)
-                            : glm::dvec3(n.at(i, 0), n.at(i, 1), n.at(i, 2));
+        return n.count == 0 ? glm::dvec3(fallback) : glm::dvec3(n.at(i, 0), n.at(i, 1), n.at(i, 2));
       };
-      const glm::dquat rotation =
-          r.count == 0 ? glm::dquat(1, 0, 0, 0)
-                       : quaternion(r.at(i, 0), r.at(i, 1), r.at(i, 2), r.at(i, 3));
+      const glm::dquat rotation = r.count == 0
+                                      ? glm::dquat(1, 0, 0, 0)
+                                      : quaternion(r.at(i, 0), r.at(i, 1), r.at(i, 2), r.at(i, 3));
       place(mesh, name, world * from_parts(vec(t, 0), rotation, vec(s, 1)));
     }
   }
@@ -219,8 +219,7 @@ class Walker {
   }
 
   void load_camera(const tinygltf::Node& node, const std::string& name, const glm::dmat4& world) {
-    const tinygltf::Camera& from =
-        document_.get(document_.model().cameras, node.camera, "camera");
+    const tinygltf::Camera& from = document_.get(document_.model().cameras, node.camera, "camera");
     scene::Camera c;
     c.name = name;
     c.eye = glm::vec3(world[3]);
@@ -244,9 +243,9 @@ class Walker {
     const tinygltf::Light& from = document_.get(document_.model().lights, index, "light");
     scene::Light light;
     light.name = from.name.empty() ? name : from.name;
-    const glm::vec3 color =
-        from.color.size() < 3 ? glm::vec3(1)
-                              : glm::vec3(from.color[0], from.color[1], from.color[2]);
+    const glm::vec3 color = from.color.size() < 3
+                                ? glm::vec3(1)
+                                : glm::vec3(from.color[0], from.color[1], from.color[2]);
     light.color = color * static_cast<float>(from.intensity);
     light.position = glm::vec3(world[3]);
     light.range = static_cast<float>(std::max(0.0, from.range));
@@ -284,7 +283,8 @@ class Walker {
       const tinygltf::Value& entry = list.Get(static_cast<int>(i));
       double v[7] = {};
       for (std::size_t c = 0; c < 7; ++c) {
-        if (!entry.IsArray() || entry.ArrayLen() != 7 || !entry.Get(static_cast<int>(c)).IsNumber()) {
+        if (!entry.IsArray() || entry.ArrayLen() != 7 ||
+            !entry.Get(static_cast<int>(c)).IsNumber()) {
           document_.fail("node '" + name + "': shape " + std::to_string(i) +
                          " must have seven numbers");
         }

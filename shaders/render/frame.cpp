@@ -14,8 +14,7 @@ void set_camera(gpu::Frame& frame, const scene::Camera& camera, const Settings& 
   const glm::vec3 forward = glm::normalize(camera.forward);
   const glm::vec3 right = glm::normalize(glm::cross(forward, camera.up));
   const glm::vec3 up = glm::cross(right, forward);
-  const float aspect =
-      static_cast<float>(settings.width) / static_cast<float>(settings.height);
+  const float aspect = static_cast<float>(settings.width) / static_cast<float>(settings.height);
   const bool orthographic = camera.orthographic_height > 0;
   const float half_height = orthographic
                                 ? 0.5F * camera.orthographic_height

@@ -64,7 +64,8 @@ Progress progress_line(const Options& options) {
 void summary(const ReportInput& in) {
   const scene::Counts counts = scene::count(in.scene);
   const Timings& t = in.renderer.timings();
-  std::fprintf(stderr, "%s: %llu triangles (%llu drawn), %llu shapes, %llu instances; workload %s\n",
+  std::fprintf(stderr,
+               "%s: %llu triangles (%llu drawn), %llu shapes, %llu instances; workload %s\n",
                in.scene.name.c_str(), static_cast<unsigned long long>(counts.triangles),
                static_cast<unsigned long long>(counts.drawn_triangles),
                static_cast<unsigned long long>(counts.shapes),
@@ -94,8 +95,14 @@ void draw(const Options& options, const scene::Scene& scene) {
   if (options.timing > 0) {
     renderer.measure(options.timing);
   }
-  const ReportInput report{scene,  camera,   workload, calls,
-                           choice, settings, renderer, context.device_name(),
+  const ReportInput report{scene,
+                           camera,
+                           workload,
+                           calls,
+                           choice,
+                           settings,
+                           renderer,
+                           context.device_name(),
                            context.driver_info()};
   if (!options.png.empty()) {
     write_png(options.png, picture);

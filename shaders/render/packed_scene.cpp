@@ -170,15 +170,18 @@ class Packer {
   void add_emitters(const scene::Mesh& mesh, const glm::dmat4& transform) {
     for (const scene::Primitive& p : mesh.primitives) {
       const scene::Material& m = scene_.materials[p.material];
-      if (m.emission == glm::vec3(0)) {
-        continue;
+      if (m.emission == glm::vec3(0) || m.emissive_texture != kNoIndex) {
+        continue;  // a texture's light is found by the paths themselves
       }
       for (std::size_t i = 0; i < p.indices.size(); i += 3) {
         glm::vec3 v[3];
         for (std::size_t c = 0; c < 3; ++c) {
           v[c] = glm::vec3(transform * glm::dvec4(glm::dvec3(p.positions[p.indices[i + c]]), 1));
         }
-        out_.emitters.push_back({v[0], v[1] - v[0], v[2] - v[0], m.emission, 0, 0});
+        // A mirrored instance turns the winding in world space, not the front.
+        const bool flip = glm::determinant(glm::dmat3(transform)) < 0;
+        out_.emitters.push_back({v[0], (flip ? v[2] : v[1]) - v[0], (flip ? v[1] : v[2]) - v[0],
+                                 m.emission, 0, 0, m.double_sided ? 0U : 1U});
       }
     }
   }

@@ -112,9 +112,9 @@ void Renderer::upload(const scene::Scene& scene) {
                            t.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
                            VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT);
     textures_.back().upload(context_, t.rgba);
-    samplers_.emplace_back(
-        context_, vulkan::SamplerOptions{t.nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR,
-                                         address_mode(t.wrap_u), address_mode(t.wrap_v)});
+    samplers_.emplace_back(context_,
+                           vulkan::SamplerOptions{t.nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR,
+                                                  address_mode(t.wrap_u), address_mode(t.wrap_v)});
   }
 }
 
@@ -138,10 +138,11 @@ void Renderer::build_bottom_level() {
     for (std::uint32_t i = 0; i < blas.geometry_count; ++i) {
       const gpu::Geometry& g = packed_.geometries[blas.first_geometry + i];
       const PackedRange& range = packed_.ranges[blas.first_geometry + i];
-      geometries.push_back({vertices_.address() + std::uint64_t{g.first_vertex} * sizeof(gpu::Vertex),
-                            sizeof(gpu::Vertex), range.vertex_count,
-                            indices_.address() + std::uint64_t{g.first_index} * 4,
-                            range.triangle_count, range.opaque});
+      geometries.push_back(
+          {vertices_.address() + std::uint64_t{g.first_vertex} * sizeof(gpu::Vertex),
+           sizeof(gpu::Vertex), range.vertex_count,
+           indices_.address() + std::uint64_t{g.first_index} * 4, range.triangle_count,
+           range.opaque});
     }
     bottom_.push_back(geometries.empty()
                           ? vulkan::AccelerationStructure{}
@@ -159,8 +160,9 @@ void Renderer::build_structures() {
     instance.instanceCustomIndex = blas.first_geometry & 0xffffffU;
     instance.mask = 0xff;
     // Hit records: 0 triangles, 1 spheres, 2 boxes.
-    const std::uint32_t record =
-        !blas.procedural ? 0U : blas.shape_kind == scene::ShapeKind::kSphere ? 1U : 2U;
+    const std::uint32_t record = !blas.procedural                               ? 0U
+                                 : blas.shape_kind == scene::ShapeKind::kSphere ? 1U
+                                                                                : 2U;
     instance.instanceShaderBindingTableRecordOffset = record & 0xffffffU;
     instance.flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR;
     instance.accelerationStructureReference = bottom_[p.blas].address();
@@ -290,8 +292,8 @@ void Renderer::write_descriptors() {
       {VK_NULL_HANDLE, accumulation_.view(), VK_IMAGE_LAYOUT_GENERAL},
       {VK_NULL_HANDLE, picture_.view(), VK_IMAGE_LAYOUT_GENERAL}};
   for (std::size_t i = 0; i < textures_.size(); ++i) {
-    images.push_back({samplers_[i].handle(), textures_[i].view(),
-                      VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+    images.push_back(
+        {samplers_[i].handle(), textures_[i].view(), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
   }
   VkWriteDescriptorSet sum = write(gpu::kBindAccumulation, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE);
   sum.pImageInfo = &images[0];

@@ -98,12 +98,10 @@ std::string stats_json(const ReportInput& in) {
                   {"median_frame", t.median_frame()}};
   if (in.settings.count_rays) {
     const auto counts = in.renderer.ray_counts();
-    j["rays"] = {{"primary", counts[gpu::kRayPrimary]},
-                 {"bounce", counts[gpu::kRayBounce]},
-                 {"shadow", counts[gpu::kRayShadow]},
-                 {"occlusion", counts[gpu::kRayOcclusion]},
-                 {"reflection", counts[gpu::kRayReflection]},
-                 {"refraction", counts[gpu::kRayRefraction]}};
+    j["rays"] = {
+        {"primary", counts[gpu::kRayPrimary]},       {"bounce", counts[gpu::kRayBounce]},
+        {"shadow", counts[gpu::kRayShadow]},         {"occlusion", counts[gpu::kRayOcclusion]},
+        {"reflection", counts[gpu::kRayReflection]}, {"refraction", counts[gpu::kRayRefraction]}};
   }
   j["device"] = in.device;
   j["driver"] = in.driver;

@@ -37,8 +37,7 @@ void validate_primitive(const Scene& scene, const Mesh& mesh, std::size_t number
 
 void validate_material(const Scene& scene, const Material& m) {
   const std::string where = "material '" + m.name + "': ";
-  for (const std::uint32_t t :
-       {m.base_texture, m.metallic_roughness_texture, m.emissive_texture}) {
+  for (const std::uint32_t t : {m.base_texture, m.metallic_roughness_texture, m.emissive_texture}) {
     check(t == kNoIndex || t < scene.textures.size(), scene, where + "no such texture");
   }
   check(finite(m.base_color) && finite(m.emission) && finite(m.attenuation_color), scene,
@@ -47,8 +46,7 @@ void validate_material(const Scene& scene, const Material& m) {
                             m.clearcoat_roughness, m.attenuation_distance, m.alpha_cutoff}) {
     check(std::isfinite(value) && value >= 0, scene, where + "a factor is negative or not finite");
   }
-  check(m.ior > 0 || m.transmission == 0, scene,
-        where + "index of refraction 0; use 1 or more");
+  check(m.ior > 0 || m.transmission == 0, scene, where + "index of refraction 0; use 1 or more");
 }
 
 void validate_camera(const Scene& scene, const Camera& c) {
@@ -134,8 +132,7 @@ Bounds world_bounds(const Scene& scene) {
 
 void validate(const Scene& scene) {
   for (const Texture& t : scene.textures) {
-    check(t.width > 0 && t.height > 0 &&
-              t.rgba.size() == std::size_t{4} * t.width * t.height,
+    check(t.width > 0 && t.height > 0 && t.rgba.size() == std::size_t{4} * t.width * t.height,
           scene, "texture '" + t.name + "' has no pixels");
   }
   for (const Material& m : scene.materials) {

@@ -92,22 +92,22 @@ enum class LightKind { kDirectional, kPoint, kSpot, kSphere };
 struct Light {
   std::string name;
   LightKind kind = LightKind::kDirectional;
-  glm::vec3 color{1};           // intensity included: lux (directional) or candela
-  glm::vec3 position{0};        // all but directional
-  glm::vec3 direction{0, 1, 0}; // directional: towards the light; spot: the way it shines
-  float radius = 0;             // emitting sphere; directional: tangent of the half angle
-  float range = 0;              // 0: unlimited
+  glm::vec3 color{1};            // intensity included: lux (directional) or candela
+  glm::vec3 position{0};         // all but directional
+  glm::vec3 direction{0, 1, 0};  // directional: towards the light; spot: the way it shines
+  float radius = 0;              // emitting sphere; directional: tangent of the half angle
+  float range = 0;               // 0: unlimited
   float inner_angle = 0, outer_angle = 0.785398F;  // spot, radians
 };
 
 struct Camera {
   std::string name;
   glm::vec3 eye{0, 0, 1};
-  glm::vec3 forward{0, 0, -1};  // unit
-  glm::vec3 up{0, 1, 0};        // not parallel to forward
-  float vertical_fov = 0.8F;    // radians, in (0, pi); ignored if orthographic
+  glm::vec3 forward{0, 0, -1};    // unit
+  glm::vec3 up{0, 1, 0};          // not parallel to forward
+  float vertical_fov = 0.8F;      // radians, in (0, pi); ignored if orthographic
   float orthographic_height = 0;  // full height of the view; 0: perspective
-  float aperture = 0;           // diameter of the lens
+  float aperture = 0;             // diameter of the lens
   float focus_distance = 1;
 };
 
@@ -143,8 +143,8 @@ struct Scene {
 };
 
 struct Counts {
-  std::uint64_t triangles = 0;         // stored once per mesh
-  std::uint64_t drawn_triangles = 0;   // counted once per instance
+  std::uint64_t triangles = 0;        // stored once per mesh
+  std::uint64_t drawn_triangles = 0;  // counted once per instance
   std::uint64_t vertices = 0, shapes = 0, meshes = 0, primitives = 0, instances = 0;
 };
 Counts count(const Scene& scene);
@@ -152,8 +152,9 @@ Counts count(const Scene& scene);
 // World bounds of everything drawn.
 Bounds world_bounds(const Scene& scene);
 
-// Throws UserError naming the place if an index is out of range, a value is not finite where it must
-// be, or nothing is left to draw. Every scene passes here before it is drawn, whatever its origin.
+// Throws UserError naming the place if an index is out of range, a value is not finite where it
+// must be, or nothing is left to draw. Every scene passes here before it is drawn, whatever its
+// origin.
 void validate(const Scene& scene);
 
 }  // namespace a2rt::scene

@@ -55,8 +55,7 @@ AccelerationStructure AccelerationStructure::of_instances(
     const Context& context, std::span<const VkAccelerationStructureInstanceKHR> instances) {
   const Buffer input = Buffer::of(context, instances, kInput);
   auto g = geometry_of(VK_GEOMETRY_TYPE_INSTANCES_KHR, 0);
-  g.geometry.instances.sType =
-      VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR;
+  g.geometry.instances.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR;
   g.geometry.instances.data.deviceAddress = input.address();
   const auto count = static_cast<std::uint32_t>(instances.size());
   return {context, VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, {&g, 1}, {&count, 1}};

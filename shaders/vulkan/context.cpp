@@ -112,10 +112,9 @@ void Context::pick_device() {
     }
   }
   if (physical_ == VK_NULL_HANDLE) {
-    throw UserError("no lavapipe device among the Vulkan devices (" +
-                    (seen.empty() ? "none" : seen) +
-                    "); if VK_ICD_FILENAMES or VK_DRIVER_FILES is set, it must name lvp_icd*.json" +
-                    kRemedy);
+    throw UserError(
+        "no lavapipe device among the Vulkan devices (" + (seen.empty() ? "none" : seen) +
+        "); if VK_ICD_FILENAMES or VK_DRIVER_FILES is set, it must name lvp_icd*.json" + kRemedy);
   }
   for (const char* extension : kDeviceExtensions) {
     if (!has_extension(physical_, extension)) {

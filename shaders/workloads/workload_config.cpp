@@ -29,8 +29,8 @@ void read_sampling(const config::Section& s, WorkloadConfig& w) {
   w.max_bounces = natural(s, "max_bounces", 16, 1, 1024, "rays of one path at most");
   w.shadow_rays = natural(s, "shadow_rays", 0, 0, 4096, "shadow rays per primary hit");
   w.ao_rays = natural(s, "ao_rays", 0, 0, 4096, "ambient-occlusion rays per primary hit");
-  w.ao_distance = s.number("ao_distance", 0.03, 0, 1e6, "scene diagonals",
-                           "reach of ambient-occlusion rays");
+  w.ao_distance =
+      s.number("ao_distance", 0.03, 0, 1e6, "scene diagonals", "reach of ambient-occlusion rays");
   w.ao_lumibench = s.number("ao_lumibench", 10, 0, 1e30, "scene units",
                             "the same in scenes that carry LumiBench's extras");
   w.shadow_factor = s.number("shadow_factor", 0.3, 0, 1, "", "colour factor of each blocked ray");
@@ -40,8 +40,8 @@ void read_sampling(const config::Section& s, WorkloadConfig& w) {
                "most that a sample adds by way of a diffuse hit; trades caustics for less noise");
   w.light_sampling = s.boolean("light_sampling", false, "sample emitters by shadow rays");
   w.sun = s.boolean("sun", false, "scenes without a light get a sun from a fixed direction");
-  w.opaque_geometry = s.boolean("opaque_geometry", true,
-                                "triangles without alpha bypass the any-hit shader");
+  w.opaque_geometry =
+      s.boolean("opaque_geometry", true, "triangles without alpha bypass the any-hit shader");
 }
 
 }  // namespace

@@ -25,10 +25,10 @@ struct WorkloadConfig {
   double ao_distance = 0;  // share of the scene's diagonal; LumiBench scenes use ao_lumibench
   double ao_lumibench = 10;
   double shadow_factor = 1, ao_factor = 1;
-  double clamp_indirect = 0;  // most radiance of a sample after a diffuse hit; 0: no limit
-  bool light_sampling = false;   // emitters are sampled by shadow rays
-  bool sun = false;  // scenes without a light get a sun from a fixed direction
-  bool opaque_geometry = true;   // false: every triangle is offered to the any-hit shader
+  double clamp_indirect = 0;         // most radiance of a sample after a diffuse hit; 0: no limit
+  bool light_sampling = false;       // emitters are sampled by shadow rays
+  bool sun = false;                  // scenes without a light get a sun from a fixed direction
+  bool opaque_geometry = true;       // false: every triangle is offered to the any-hit shader
   std::vector<std::string> effects;  // that the shaders can show, by name
   std::vector<std::string> rays;     // what is traced, in words
 };
