@@ -36,9 +36,9 @@ arith::A2rtPrecision read_precision(const config::Section& unit, arith::OriginDe
 bvh::ClassifyConfig read_classification(const config::Section& unit) {
   const config::Section s = unit.table("classify");
   bvh::ClassifyConfig c;
-  c.area_ratio = s.number("area_ratio", 0.001, 0, 1, "of the group's area", "S_t of equation 5");
+  c.area_ratio = s.number("area_ratio", 0.002, 0, 1, "of the group's area", "S_t of equation 5");
   c.length_ratio =
-      s.number("length_ratio", 0.01, 0, 1, "of the group's length", "L_t of equation 5");
+      s.number("length_ratio", 0.002, 0, 1, "of the group's length", "L_t of equation 5");
   c.leaf = s.choice("leaf", "sub", {"sub", "group"}, "What a leaf that fails equation 5 becomes") ==
                    "sub"
                ? bvh::LeafPolicy::kSub
@@ -57,7 +57,8 @@ A2rtUnit::A2rtUnit(const config::Section& section, const std::string& name,
       tester_(quantizer_.precision()),
       sub_bytes_(bvh::a2rt_sub_bytes(quantizer_.precision())),
       refetch_group_(section.table("layout").boolean(
-          "refetch_group", true, "Read a group's record again when it is popped")) {
+          "refetch_group", true, "Read a group's record again when it is popped")),
+      literal_(quantizer_.precision().origin == arith::OriginDesign::kLiteral) {
   if (!precision().conservative()) {
     info_.promise = Promise::kMayMiss;
   }
@@ -91,6 +92,17 @@ std::uint32_t A2rtUnit::test_escaped(const Tree& tree, const A2rtNode& node, con
     boxes.put(s, arith::dequantize_box(tester_.get(node.planes(), s), frame, precision()));
   }
   return arith::slab_test_block(space.slab, boxes, closest, keys);
+}
+
+std::uint32_t A2rtUnit::test_groups_plain(const arith::BoxBlock& boxes, const Space& space,
+                                          float closest, float* entry) const {
+  std::uint32_t hit = 0;
+  for (std::uint32_t s = 0; s < bvh::kMaxWidth; ++s) {
+    const arith::SlabHit h = arith::slab_test_plain(space.slab, boxes.get(s), closest);
+    entry[s] = h.t_entry;
+    hit |= (h.hit ? 1U : 0U) << s;
+  }
+  return hit;
 }
 
 std::string A2rtUnit::miss_mechanism() const {

@@ -58,7 +58,7 @@ class A2rtUnit {
                  Sink& sink) const {
     sink.fetch(Traffic::kGroupNode, tree.base(), bvh::kA2rtGroupBytes);
     sink.count(EventKind::kBoxTest, 1);
-    const arith::SlabHit entry = arith::slab_test(space.slab, tree.root_box(), closest);
+    const arith::SlabHit entry = test_group(space.slab, tree.root_box(), closest);
     if (entry.hit) {
       enter(tree, space, context, tree.node(0).frame, entry.t_entry, sink);
     }
@@ -99,7 +99,9 @@ class A2rtUnit {
     if (groups != 0) {
       float entry[bvh::kMaxWidth];
       const std::uint32_t met =
-          arith::slab_test_block(space.slab, tree.group_boxes(node), closest, entry) & groups;
+          groups &
+          (literal_ ? test_groups_plain(tree.group_boxes(node), space, closest, entry)
+                    : arith::slab_test_block(space.slab, tree.group_boxes(node), closest, entry));
       for (std::uint32_t s = 0; s < node.group_count; ++s) {
         keys[s] = entry[s];
       }
@@ -177,6 +179,14 @@ class A2rtUnit {
     return hit;
   }
 
+  // The paper's accurate unit is plain FP32; only the conservative designs pad it.
+  arith::SlabHit test_group(const arith::SlabRay& ray, const Box& box, float closest) const {
+    return literal_ ? arith::slab_test_plain(ray, box, closest)
+                    : arith::slab_test(ray, box, closest);
+  }
+  std::uint32_t test_groups_plain(const arith::BoxBlock& boxes, const Space& space, float closest,
+                                  float* entry) const;
+
   // The accurate units on boxes rebuilt in FP32: what an escaped pair costs and gets.
   std::uint32_t test_escaped(const Tree& tree, const A2rtNode& node, const Space& space,
                              const Context& context, float closest, Key* keys) const;
@@ -189,6 +199,7 @@ class A2rtUnit {
   arith::QBoxTester tester_;
   std::uint32_t sub_bytes_;
   bool refetch_group_;
+  bool literal_;
 };
 
 }  // namespace a2rt::rt

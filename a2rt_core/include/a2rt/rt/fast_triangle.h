@@ -11,9 +11,9 @@
 
 namespace a2rt::rt {
 
-class FastTriangleTest {
+class FastTriangle {
  public:
-  FastTriangleTest(const Vec3& origin, const Vec3& dir) {
+  FastTriangle(const Vec3& origin, const Vec3& dir) {
     const float o[3] = {origin.x, origin.y, origin.z}, d[3] = {dir.x, dir.y, dir.z};
     const float ax = std::fabs(d[0]), ay = std::fabs(d[1]), az = std::fabs(d[2]);
     kz_ = ax >= ay ? (ax >= az ? 0 : 2) : (ay >= az ? 1 : 2);

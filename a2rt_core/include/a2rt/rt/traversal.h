@@ -294,7 +294,7 @@ class Traversal {
       done = walk<false>(tree, space,
                          [&](ChildRef leaf) { return visit_aabbs(primitives, leaf, slab); });
     } else {
-      const FastTriangleTest test(origin, dir);
+      const FastTriangle test(origin, dir);
       done = walk<false>(tree, space,
                          [&](ChildRef leaf) { return visit_triangles(primitives, leaf, test); });
     }
@@ -302,7 +302,7 @@ class Traversal {
     return done;
   }
 
-  bool visit_triangles(const Primitives& primitives, ChildRef leaf, const FastTriangleTest& test) {
+  bool visit_triangles(const Primitives& primitives, ChildRef leaf, const FastTriangle& test) {
     const std::uint32_t first = leaf.first(), end = first + leaf.count();
     if constexpr (Sink::kEmits || Sink::kAudits) {
       fetch_triangles(primitives, leaf);

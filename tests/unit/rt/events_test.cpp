@@ -1,0 +1,162 @@
+// The event stream accounts for every record and test, and for nothing else.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "runs.h"
+
+namespace a2rt::rt {
+namespace {
+
+using synthetic::Shape;
+
+std::uint64_t count(const EventTotals& t, EventKind kind) {
+  return t.events[static_cast<std::size_t>(kind)];
+}
+std::uint64_t bytes(const EventTotals& t, Traffic kind) {
+  return t.traffic[static_cast<std::size_t>(kind)].bytes;
+}
+
+EventTotals totals(const std::string& unit, const Workload& w, const std::string& toml = "") {
+  return run_functional(*built(unit, w, toml), w).totals;
+}
+
+class Stream : public testing::TestWithParam<const char*> {};
+
+TEST_P(Stream, EveryReadLiesInsideOneRegion) {
+  const Workload w = scene(Shape::kTorus, 500, 5, 0.3);
+  const auto unit = built(GetParam(), w);
+  const std::vector<MemoryRegion> regions = unit->regions();
+  std::vector<Event> events;
+  for (std::size_t i = 0; i < w.rays.size(); ++i) {
+    unit->trace({&w.rays[i], candidates_of(w, i)}, events);
+  }
+  for (const Event& e : events) {
+    if (e.kind != EventKind::kFetch && e.kind != EventKind::kContextPop) {
+      EXPECT_EQ(e.bytes, 0U);
+      continue;
+    }
+    EXPECT_GT(e.bytes, 0U);
+    EXPECT_TRUE(std::any_of(regions.begin(), regions.end(), [&](const MemoryRegion& r) {
+      return e.address >= r.base.value && e.address + e.bytes <= r.base.value + r.bytes.value;
+    })) << e.address;
+  }
+}
+
+TEST_P(Stream, NothingIsPoppedThatWasNotPushedAndOneTestFollowsEveryRead) {
+  const Workload w = scene(Shape::kSoup, 500, 5);
+  const auto unit = built(GetParam(), w);
+  for (std::size_t i = 0; i < w.rays.size(); ++i) {
+    std::vector<Event> events;
+    unit->trace({&w.rays[i], {}}, events);
+    std::int64_t depth = 0, saved = 0;
+    for (const Event& e : events) {
+      depth += e.kind == EventKind::kPush ? e.count : e.kind == EventKind::kPop ? -1 : 0;
+      saved += e.kind == EventKind::kContextPush ? 1 : e.kind == EventKind::kContextPop ? -1 : 0;
+      EXPECT_GE(depth, 0);
+      EXPECT_GE(saved, 0);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Units, Stream,
+                         testing::Values("baseline", "a2rt", "aqb8", "cwbvh", "clbvh"),
+                         [](const auto& p) { return std::string(p.param); });
+
+TEST(Traffic, BaselineReadsItsNodeSizePerBoxTest) {
+  const Workload w = scene(Shape::kTorus, 800, 3);
+  for (const std::uint64_t size : {33U, 56U, 64U}) {
+    const EventTotals t = totals("baseline", w, "[layout]\nnode_bytes = " + std::to_string(size));
+    EXPECT_EQ(bytes(t, Traffic::kNode), size * count(t, EventKind::kBoxTest));
+    EXPECT_GT(count(t, EventKind::kBoxTest), 0U);
+  }
+}
+
+TEST(Traffic, TrianglesTake36BytesPerTest) {
+  const Workload w = scene(Shape::kSoup, 500);
+  const EventTotals t = totals("baseline", w);
+  std::uint64_t found = 0;
+  for (const Hit& h : w.driver_hits) {
+    found += h.state == HitState::kHit ? 1U : 0U;
+  }
+  EXPECT_GT(found, 0U);
+  // Besides the tests, the ids (8 bytes) of every hit that is reported.
+  EXPECT_EQ(bytes(t, Traffic::kTriangle), 36 * count(t, EventKind::kTriangleTest) + 8 * found);
+}
+
+TEST(Traffic, A2rtReads15BytesPerQuantizedTestAnd45PerGroup) {
+  const Workload w = scene(Shape::kTorus, 800, 1);
+  const EventTotals t = totals("a2rt", w,
+                               "[classify]\narea_ratio = 0.02\nlength_ratio = 0.05\n"
+                               "[layout]\nrefetch_group = false");
+  EXPECT_EQ(count(t, EventKind::kEscape), 0U);
+  EXPECT_EQ(bytes(t, Traffic::kSubNode), 15 * count(t, EventKind::kQBoxTest));
+  EXPECT_EQ(bytes(t, Traffic::kGroupNode), 45 * count(t, EventKind::kBoxTest));
+  EXPECT_GE(count(t, EventKind::kBoxTest), count(t, EventKind::kQuantizeRay));
+}
+
+TEST(Traffic, RefetchedGroupsAreReadOnceMoreEach) {
+  const Workload w = scene(Shape::kTorus, 800, 1);
+  const std::string knobs = "[classify]\narea_ratio = 0.1\n[layout]\nrefetch_group = ";
+  const EventTotals with = totals("a2rt", w, knobs + "true");
+  const EventTotals without = totals("a2rt", w, knobs + "false");
+  EXPECT_GT(bytes(with, Traffic::kGroupNode), bytes(without, Traffic::kGroupNode));
+  EXPECT_EQ(count(with, EventKind::kQuantizeRay), count(without, EventKind::kQuantizeRay));
+  EXPECT_EQ((bytes(with, Traffic::kGroupNode) - bytes(without, Traffic::kGroupNode)) % 45, 0U);
+}
+
+TEST(Traffic, Aqb8ReadsItsAnchorPerAnchorTestAndItsNodePerQuantizedTest) {
+  const Workload w = scene(Shape::kTorus, 800, 3);
+  for (const std::uint64_t size : {8U, 16U}) {
+    const EventTotals t = totals("aqb8", w, "[layout]\nnode_bytes = " + std::to_string(size));
+    EXPECT_EQ(bytes(t, Traffic::kAnchor), 36 * count(t, EventKind::kAnchorTest));
+    EXPECT_EQ(bytes(t, Traffic::kSubNode), size * count(t, EventKind::kQBoxTest));
+  }
+}
+
+TEST(Traffic, Aqb8ArtifactChargesWholeLinesAndTestsUnrelatedSlots) {
+  const Workload w = scene(Shape::kTorus, 800, 1);
+  const EventTotals right = totals("aqb8", w);
+  const EventTotals artifact = totals("aqb8", w, "artifact = true");
+  EXPECT_EQ(bytes(artifact, Traffic::kSubNode) % 64, 0U);
+  EXPECT_EQ(bytes(artifact, Traffic::kAnchor) % 64, 0U);
+  EXPECT_GT(count(artifact, EventKind::kQBoxTest), count(right, EventKind::kQBoxTest));
+}
+
+TEST(Traffic, CwbvhReadsOneNodePerVisit) {
+  const Workload w = scene(Shape::kTorus, 800, 1);
+  const EventTotals t = totals("cwbvh", w, "[tree]\nbranching = 8");
+  const TrafficTotal& node = t.traffic[static_cast<std::size_t>(Traffic::kNode)];
+  EXPECT_EQ(node.bytes, 80 * node.accesses);
+  EXPECT_EQ(count(t, EventKind::kDequantize), count(t, EventKind::kBoxTest));
+}
+
+TEST(Traffic, EveryInstanceEnteredIsReadAndTransformed) {
+  const Workload w = scene(Shape::kTorus, 200, 12);
+  const EventTotals t = totals("baseline", w);
+  EXPECT_EQ(bytes(t, Traffic::kInstance), 64 * count(t, EventKind::kTransform));
+  EXPECT_EQ(count(t, EventKind::kRaySetup), count(t, EventKind::kTransform) + w.rays.size());
+}
+
+TEST(Traffic, AlphaAndProceduralCandidatesLeaveTheUnit) {
+  EXPECT_EQ(count(totals("baseline", scene(Shape::kSoup, 300)), EventKind::kAnyHit), 0U);
+  EXPECT_GT(count(totals("baseline", scene(Shape::kSoup, 300, 1, 0.5)), EventKind::kAnyHit), 0U);
+  const EventTotals spheres = totals("baseline", scene(Shape::kSpheres, 60));
+  EXPECT_GT(count(spheres, EventKind::kIntersection), 0U);
+  EXPECT_EQ(count(spheres, EventKind::kTriangleTest), 0U);
+}
+
+TEST(Traffic, SiblingAlignmentPlacesEveryNodeReadOnItsBoundary) {
+  const Workload w = scene(Shape::kTorus, 800, 1);
+  const auto unit = built("baseline", w, "[layout]\nsibling_alignment = 64");
+  std::vector<Event> events;
+  unit->trace({&w.rays[w.rays.size() / 2], {}}, events);
+  for (const Event& e : events) {
+    if (e.kind == EventKind::kFetch && e.traffic == Traffic::kNode) {
+      EXPECT_EQ(e.address % 64, 0U);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace a2rt::rt

@@ -1,0 +1,44 @@
+#include <gtest/gtest.h>
+
+#include <bit>
+
+#include "a2rt/rt/fast_triangle.h"
+#include "a2rt/workload/driver_triangle.h"
+#include "a2rt/workload/synthetic.h"
+
+namespace a2rt::rt {
+namespace {
+
+TEST(FastTriangle, IsBitEqualToTheDriversTest) {
+  synthetic::Random random(11);
+  int hits = 0;
+  for (int i = 0; i < 200000; ++i) {
+    Triangle triangle;
+    for (Vec3& v : triangle.v) {
+      v = random.in_box(-1, 1);
+    }
+    if (i % 5 == 0) {
+      triangle.v[2] = triangle.v[i % 2 == 0 ? 0 : 1];  // degenerate
+    }
+    Vec3 dir = random.in_box(-1, 1);
+    if (i % 7 == 0) {
+      dir[static_cast<std::size_t>(i) % 3] = i % 2 == 0 ? 0.0F : -0.0F;
+    }
+    const Vec3 origin = i % 11 == 0 ? triangle.v[0] : random.in_box(-2, 2);
+    const DriverTriangleHit expected = DriverTriangleTest(origin, dir)(triangle);
+    float t = 0;
+    bool front = false;
+    const bool hit = FastTriangle(origin, dir)(triangle, t, front);
+    ASSERT_EQ(hit, expected.hit);
+    if (hit) {
+      ++hits;
+      ASSERT_TRUE(std::bit_cast<std::uint32_t>(t) == std::bit_cast<std::uint32_t>(expected.t) ||
+                  (std::isnan(t) && std::isnan(expected.t)));
+      ASSERT_EQ(front, expected.front);
+    }
+  }
+  EXPECT_GT(hits, 1000);
+}
+
+}  // namespace
+}  // namespace a2rt::rt
