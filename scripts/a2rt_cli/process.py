@@ -66,7 +66,7 @@ def run_logged(
     log.parent.mkdir(parents=True, exist_ok=True)
     tail: deque[str] = deque(maxlen=_TAIL_LINES)
     errors: list[str] = []
-    with log.open("a", encoding="utf-8", errors="replace") as out:
+    with log.open("a", encoding="utf-8", errors="replace", buffering=1) as out:
         out.write(f"$ {shlex.join(command)}\n")
         out.flush()
         try:
