@@ -119,8 +119,7 @@ void add_shares(nlohmann::ordered_json& json, const timing::SimulationResult& re
   json["time"]["shares"] = {{"rt_instructions", fig2.at("intersection_instruction_share")},
                             {"rt_time", fig2.at("execution_time_share")},
                             {"box_of_intersection", fig2.at("box_share_of_intersection_time")}};
-  const double storage =
-      static_cast<double>(structure.node_bytes + structure.triangle_bytes);
+  const double storage = static_cast<double>(structure.node_bytes + structure.triangle_bytes);
   json["memory"]["shares"] = {
       {"bvh_of_l1", fig2.at("bvh_share_of_l1_content")},
       {"bvh_of_l1_accesses", fig2.at("bvh_share_of_l1_accesses")},
@@ -168,9 +167,9 @@ int simulate(const Options& options) {
     done = run(options, workload, source, machine, progress);
   }
   const timing::SimulationResult& result = done.result;
-  const energy::Ledger ledger =
-      energy::make_ledger(energy::actions_of(result, design),
-                          energy::instances_of(result, machine, design), result.milliseconds, table);
+  const energy::Ledger ledger = energy::make_ledger(energy::actions_of(result, design),
+                                                    energy::instances_of(result, machine, design),
+                                                    result.milliseconds, table);
   print_simulation(unit.info().title, result, machine, ledger, done.estimate);
   if (!options.heatmap.empty()) {
     write_text_file(options.heatmap, npy(result));
@@ -202,10 +201,11 @@ int simulate(const Options& options) {
   if (!options.heatmap.empty()) {
     json["heatmap"] = options.heatmap;
   }
-  json["provenance"] = {{"tool", "a2rt-core simulate"},
-                        {"seconds", result.host_seconds},
-                        {"rays_per_second", static_cast<double>(result.rays()) / result.host_seconds},
-                        {"peak_bytes", peak_bytes()}};
+  json["provenance"] = {
+      {"tool", "a2rt-core simulate"},
+      {"seconds", result.host_seconds},
+      {"rays_per_second", static_cast<double>(result.rays()) / result.host_seconds},
+      {"peak_bytes", peak_bytes()}};
   write_text_file(options.output, json.dump(2) + "\n");
   return 0;
 }
@@ -230,7 +230,8 @@ const RegisterCommand kCommand(
                      "Box testers: same-count, same-area (both against the A2RT engine), or config")
           ->check(CLI::IsMember({"config", "same-count", "same-area"}));
       app.add_option("--frames", options->frames, "Only these frames")->delimiter(',');
-      app.add_option("--sample", options->sample, "Simulate this share of the warps and extrapolate")
+      app.add_option("--sample", options->sample,
+                     "Simulate this share of the warps and extrapolate")
           ->check(CLI::Range(0.0001, 1.0));
       app.add_option("--seed", options->seed, "Of the sample");
       app.add_flag("--sample-check", options->sample_check,

@@ -30,8 +30,7 @@ void print_reasons(const char* title, const Array& cycles) {
 
 void print_testers(const SimulationResult& r, const timing::MachineConfig& machine) {
   std::printf("  %-18s", "testers");
-  const double cycles = static_cast<double>(r.cycles.value) *
-                        static_cast<double>(machine.rt.mhz) /
+  const double cycles = static_cast<double>(r.cycles.value) * static_cast<double>(machine.rt.mhz) /
                         static_cast<double>(machine.core_mhz);
   for (std::size_t t = 0; t < timing::kTesters; ++t) {
     const timing::TesterUse& use = r.testers[t];
@@ -64,12 +63,13 @@ void print_simulation(const std::string& title, const SimulationResult& r,
                       const timing::MachineConfig& machine, const energy::Ledger& ledger,
                       const std::optional<timing::Estimate>& estimate) {
   std::printf("%s on %s\n", title.c_str(), machine.name.c_str());
-  std::printf("  %llu cycles = %.4f ms, %llu rays, %.1f Mray/s on the machine; simulated in %.2f s "
-              "= %.0f rays/s\n",
-              static_cast<unsigned long long>(r.cycles.value), r.milliseconds,
-              static_cast<unsigned long long>(r.rays()),
-              static_cast<double>(r.rays()) / (r.milliseconds * 1e3), r.host_seconds,
-              static_cast<double>(r.rays()) / r.host_seconds);
+  std::printf(
+      "  %llu cycles = %.4f ms, %llu rays, %.1f Mray/s on the machine; simulated in %.2f s "
+      "= %.0f rays/s\n",
+      static_cast<unsigned long long>(r.cycles.value), r.milliseconds,
+      static_cast<unsigned long long>(r.rays()),
+      static_cast<double>(r.rays()) / (r.milliseconds * 1e3), r.host_seconds,
+      static_cast<double>(r.rays()) / r.host_seconds);
   if (estimate) {
     std::printf("  estimate for all warps: %.0f cycles, 95 %% interval %.0f to %.0f\n",
                 estimate->value, estimate->low, estimate->high);

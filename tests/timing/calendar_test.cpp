@@ -30,8 +30,7 @@ TEST(Calendar, an_appointment_exactly_one_wheel_ahead_is_kept_on_time) {
   for (const std::uint64_t ahead : {1023u, 1024u, 1025u, 2048u}) {
     Calendar uut;
     RecordingClient client;
-    At start(uut, Cycles{77},
-             [&](Cycles now) { uut.at(now + Cycles{ahead}, client, 0, 0); });
+    At start(uut, Cycles{77}, [&](Cycles now) { uut.at(now + Cycles{ahead}, client, 0, 0); });
     drain(uut);
     ASSERT_EQ(client.wakeups.size(), 1u);
     EXPECT_EQ(client.wakeups[0].when, Cycles{77 + ahead});

@@ -103,9 +103,8 @@ TEST_F(L1, full_mshrs_turn_a_read_away_until_a_fill_frees_one) {
   EXPECT_EQ(read(Cycles{0}, 32, 2), L1Cache::Reply::kAccepted);
   EXPECT_EQ(read(Cycles{0}, 64, 3), L1Cache::Reply::kMshrFull);
   drain(calendar);
-  const auto unblocked =
-      std::find_if(client.wakeups.begin(), client.wakeups.end(),
-                   [](const auto& w) { return w.what == kL1Unblocked; });
+  const auto unblocked = std::find_if(client.wakeups.begin(), client.wakeups.end(),
+                                      [](const auto& w) { return w.what == kL1Unblocked; });
   ASSERT_NE(unblocked, client.wakeups.end());
   EXPECT_EQ(unblocked->when, config.latency + kBelow);
   EXPECT_EQ(read(calendar.now(), 64, 3), L1Cache::Reply::kAccepted);

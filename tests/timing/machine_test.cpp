@@ -26,7 +26,8 @@ class NoisySource final : public RaySource {
     const auto next = [&] { return s = s * 6364136223846793005u + 1442695040888963407u, s >> 33; };
     const std::uint64_t steps = 4 + next() % 20;
     for (std::uint64_t i = 0; i < steps; ++i) {
-      out.push_back(fetch(next() % (1 << 22) / 16 * 16, static_cast<std::uint32_t>(56 + next() % 200)));
+      out.push_back(
+          fetch(next() % (1 << 22) / 16 * 16, static_cast<std::uint32_t>(56 + next() % 200)));
       out.push_back(count_event(EventKind::kBoxTest, 6));
       out.push_back(count_event(EventKind::kPush, 3));
       if (next() % 3 == 0) {
@@ -50,8 +51,8 @@ TEST(Machine, one_ray_takes_the_sum_of_its_parts) {
   config.dram.mhz = config.core_mhz;
   source.everyone = {fetch(0), count_event(EventKind::kBoxTest, 6),
                      count_event(EventKind::kTriangleTest)};
-  const Cycles dram = config.dram.extra_latency + config.dram.rcd + config.dram.cl +
-                      config.dram.burst;
+  const Cycles dram =
+      config.dram.extra_latency + config.dram.rcd + config.dram.cl + config.dram.burst;
   EXPECT_EQ(cycles_of(rays_only(1), source, config),
             l2_hit(config) + dram + Cycles{4} + Cycles{4} + overhead(config));
 }
@@ -109,7 +110,7 @@ TEST(Machine, counts_agree_between_the_levels) {
   EXPECT_EQ(total(r.l2.misses), r.dram.reads);
   EXPECT_EQ(total(r.l1.reads), r.rt.sectors_sent);
   EXPECT_GT(r.rt.stack_spills, 0u);
-  EXPECT_LE(r.rt.sectors_sent, total(r.rt.sectors_wanted) );
+  EXPECT_LE(r.rt.sectors_sent, total(r.rt.sectors_wanted));
 }
 
 TEST(Machine, the_same_run_gives_the_same_everything) {

@@ -105,8 +105,7 @@ class ScriptedSource final : public RaySource {
   }
 };
 
-inline Event fetch(std::uint64_t address, std::uint32_t bytes = 32,
-                   Traffic kind = Traffic::kNode) {
+inline Event fetch(std::uint64_t address, std::uint32_t bytes = 32, Traffic kind = Traffic::kNode) {
   return {EventKind::kFetch, kind, 1, bytes, address};
 }
 inline Event count_event(EventKind kind, std::uint16_t count = 1) {
@@ -140,7 +139,9 @@ inline Segment segment(std::uint32_t launch, std::uint32_t shader,
   return {launch, shader, counts, ray};
 }
 
-inline Shader shader(capture::Stage stage) { return {static_cast<std::uint32_t>(stage), 0, "main"}; }
+inline Shader shader(capture::Stage stage) {
+  return {static_cast<std::uint32_t>(stage), 0, "main"};
+}
 
 // Shaders only: one dispatch of `width` launch ids without rays.
 inline Workload shaders_only(std::uint32_t width, std::vector<Shader> shaders,

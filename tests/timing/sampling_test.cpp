@@ -49,8 +49,7 @@ TEST(Sampling, a_tenth_of_equal_warps_predicts_the_whole_within_five_percent) {
   MachineConfig config = one_sm();
   config.rt.tester(Tester::kTransform) = {2, Cycles{8}, Cycles{1}};
   const Workload w = rays_only(32 * 1000);
-  const SamplePlan plan =
-      plan_sample(warp_costs(w, source, list_warps(w), 8), 0.1, 1);
+  const SamplePlan plan = plan_sample(warp_costs(w, source, list_warps(w), 8), 0.1, 1);
   SimulationOptions options;
   options.warps = plan.warps;
   const Estimate e = extrapolate_cycles(plan, simulate(w, source, config, options));

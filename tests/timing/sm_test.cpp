@@ -68,8 +68,7 @@ TEST_F(SmTest, a_warp_costs_the_maximum_over_its_lanes) {
 
 TEST_F(SmTest, lanes_in_different_shaders_serialise) {
   const std::vector<Segment> segments = {segment(0, 0, alu(10)), segment(1, 1, alu(7))};
-  const Workload w = shaders_only(
-      2, {shader(Stage::kClosestHit), shader(Stage::kMiss)}, segments);
+  const Workload w = shaders_only(2, {shader(Stage::kClosestHit), shader(Stage::kMiss)}, segments);
   EXPECT_EQ(time(w), config.sm.alu_latency * 17);
 }
 

@@ -64,8 +64,9 @@ void shaders(const SimulationResult& r, std::vector<Action>& out) {
   out.push_back({"sm", "alu", lanes(Counter::kAlu) + lanes(Counter::kControl)});
   out.push_back({"sm", "sfu", lanes(Counter::kSfu)});
   out.push_back({"sm", "uniform_word", lanes(Counter::kUniformLoad)});
-  out.push_back({"sm", "memory_word", lanes(Counter::kBufferLoad) + lanes(Counter::kBufferStore) +
-                                          lanes(Counter::kTexture) + lanes(Counter::kPayload)});
+  out.push_back({"sm", "memory_word",
+                 lanes(Counter::kBufferLoad) + lanes(Counter::kBufferStore) +
+                     lanes(Counter::kTexture) + lanes(Counter::kPayload)});
 }
 
 std::vector<Action> all_actions(const SimulationResult& result, Design design) {
@@ -101,13 +102,14 @@ std::vector<Action> actions_of(const SimulationResult& result, Design design) {
 std::vector<Instances> instances_of(const SimulationResult& result,
                                     const timing::MachineConfig& config, Design design) {
   const std::uint64_t sms = config.sm.count;
-  std::vector<Instances> all = {{"sm", sms},
-                                {"l1", sms},
-                                {"ray_buffer", sms},
-                                {"rt_stack", sms},
-                                {"l2", std::uint64_t{config.l2.channels} * config.l2.slices_per_channel},
-                                {"crossbar", 1},
-                                {"dram", config.l2.channels}};
+  std::vector<Instances> all = {
+      {"sm", sms},
+      {"l1", sms},
+      {"ray_buffer", sms},
+      {"rt_stack", sms},
+      {"l2", std::uint64_t{config.l2.channels} * config.l2.slices_per_channel},
+      {"crossbar", 1},
+      {"dram", config.l2.channels}};
   // Testers that the unit never uses are not part of its design.
   const auto add = [&](const char* component, Tester tester) {
     const timing::TesterUse& use = result.testers[static_cast<std::size_t>(tester)];

@@ -64,8 +64,7 @@ TesterArea apply_comparison(Comparison comparison, Design design, bool unit_dequ
     switch (design) {
       case Design::kFp32: {
         const double each = box + (unit_dequantizes ? dequantizer : 0);
-        const std::uint32_t n =
-            same_area ? fit(area.reference_um2, each) : kQBoxes + kBoxes;
+        const std::uint32_t n = same_area ? fit(area.reference_um2, each) : kQBoxes + kBoxes;
         count(Tester::kBox) = at_least_one_each(n);
         count(Tester::kDequantize) = unit_dequantizes ? count(Tester::kBox) : 0;
         break;

@@ -14,8 +14,8 @@ namespace a2rt::energy {
 namespace {
 
 constexpr std::array<std::string_view, 13> kColumns = {
-    "component", "action",        "width",          "node_nm",  "vdd",     "clock_ns", "energy_pj",
-    "energy_low_pj", "energy_high_pj", "area_um2", "leak_uw", "source",   "note"};
+    "component",     "action",         "width",    "node_nm", "vdd",    "clock_ns", "energy_pj",
+    "energy_low_pj", "energy_high_pj", "area_um2", "leak_uw", "source", "note"};
 
 std::string at(const std::string& name, std::size_t line) {
   return name + ":" + std::to_string(line) + ": ";

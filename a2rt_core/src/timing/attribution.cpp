@@ -26,21 +26,18 @@ const char* reason_name(LaneReason reason) {
   return kNames[static_cast<std::size_t>(reason)];
 }
 
-void BinnedSeries::add(Cycles from, Cycles to, std::uint64_t value) {
-  if (value == 0 || from >= to) {
-    return;
-  }
-  while (to.value > width_ * sums_.size()) {
+void BinnedSeries::add_across(Cycles from, Cycles to, std::uint64_t value) {
+  while (to.value > sums_.size() << shift_) {
     for (std::size_t i = 0; i < sums_.size() / 2; ++i) {
       sums_[i] = sums_[2 * i] + sums_[2 * i + 1];
     }
     std::fill(sums_.begin() + static_cast<std::ptrdiff_t>(sums_.size() / 2), sums_.end(), 0);
-    width_ *= 2;
+    ++shift_;
   }
   std::uint64_t at = from.value;
   while (at < to.value) {
-    const std::uint64_t bin = at / width_;
-    const std::uint64_t stop = std::min(to.value, (bin + 1) * width_);
+    const std::uint64_t bin = at >> shift_;
+    const std::uint64_t stop = std::min(to.value, (bin + 1) << shift_);
     sums_[bin] += (stop - at) * value;
     at = stop;
   }
@@ -48,8 +45,8 @@ void BinnedSeries::add(Cycles from, Cycles to, std::uint64_t value) {
 
 std::vector<double> BinnedSeries::means(Cycles end) const {
   std::vector<double> means;
-  for (std::uint64_t bin = 0; bin * width_ < end.value && bin < sums_.size(); ++bin) {
-    const std::uint64_t cycles = std::min(width_, end.value - bin * width_);
+  for (std::uint64_t bin = 0; bin << shift_ < end.value && bin < sums_.size(); ++bin) {
+    const std::uint64_t cycles = std::min(width(), end.value - (bin << shift_));
     means.push_back(static_cast<double>(sums_[bin]) / static_cast<double>(cycles));
   }
   return means;

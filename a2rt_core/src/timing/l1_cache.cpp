@@ -1,6 +1,7 @@
 #include "a2rt/timing/l1_cache.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace a2rt::timing {
 
@@ -17,6 +18,7 @@ L1Cache::L1Cache(const L1Config& config, Calendar& calendar, LowerLevel& lower, 
     mshrs_[i].next = i + 1 < config.mshrs ? i + 1 : kNil;
   }
   free_mshr_ = 0;
+  bank_mask_ = std::has_single_bit(config.banks) ? config.banks - 1 : 0;
 }
 
 std::uint32_t L1Cache::find_mshr(Address sector) const {
@@ -55,7 +57,7 @@ void L1Cache::wait_for_mshr(Component& client) {
 L1Cache::Reply L1Cache::read(Cycles now, Address sector, Traffic kind, Component& client,
                              std::uint32_t token) {
   const auto k = static_cast<std::size_t>(kind);
-  Budget& bank = banks_[sector.value / kSectorBytes % banks_.size()];
+  Budget& bank = bank_of(sector);
   if (bank.left(now) == 0) {
     ++counts_.bank_conflicts;
     return Reply::kBankBusy;
@@ -100,7 +102,7 @@ L1Cache::Reply L1Cache::read(Cycles now, Address sector, Traffic kind, Component
 }
 
 L1Cache::Reply L1Cache::write(Cycles now, Address sector, Traffic kind) {
-  Budget& bank = banks_[sector.value / kSectorBytes % banks_.size()];
+  Budget& bank = bank_of(sector);
   if (bank.left(now) == 0) {
     ++counts_.bank_conflicts;
     return Reply::kBankBusy;

@@ -17,9 +17,8 @@ class Reader {
   }
   void operator()(std::uint64_t& v, const char* key, std::int64_t least, const char* unit,
                   const char* sentence) const {
-    v = static_cast<std::uint64_t>(
-        section_.integer(key, static_cast<std::int64_t>(v), least, std::int64_t{1} << 40, unit,
-                         sentence));
+    v = static_cast<std::uint64_t>(section_.integer(key, static_cast<std::int64_t>(v), least,
+                                                    std::int64_t{1} << 40, unit, sentence));
   }
   template <class Tag>
   void operator()(Quantity<Tag>& v, const char* key, std::int64_t least, const char* unit,
@@ -38,10 +37,12 @@ void read_sm(SmConfig& c, const Reader& r) {
   r(c.schedulers, "schedulers", 1, "schedulers", "greedy-then-oldest, one issue per cycle each");
   r(c.independent_instructions, "independent_instructions", 1, "instructions",
     "issued back to back by a warp before it waits for the latency of the last");
-  r(c.loads_in_flight, "loads_in_flight", 1, "instructions", "loads a warp issues before their use");
+  r(c.loads_in_flight, "loads_in_flight", 1, "instructions",
+    "loads a warp issues before their use");
   r(c.alu_latency, "alu_latency", 1, "core cycles", "issue to use of an ALU result");
   r(c.sfu_latency, "sfu_latency", 1, "core cycles", "issue to use of an SFU result");
-  r(c.sfu_interval, "sfu_interval", 1, "core cycles", "between two SFU instructions of a scheduler");
+  r(c.sfu_interval, "sfu_interval", 1, "core cycles",
+    "between two SFU instructions of a scheduler");
   r(c.uniform_latency, "uniform_latency", 1, "core cycles", "constant cache, which always hits");
   r(c.lsu_queue, "lsu_queue", 1, "sectors", "sectors that wait for the L1 before loads stall");
   r(c.lsu_sectors_per_cycle, "lsu_sectors_per_cycle", 1, "sectors", "load/store port to the L1");
@@ -113,12 +114,13 @@ void read_rt(RtConfig& c, const Reader& r) {
   r(c.callback_lanes, "callback_lanes", 0, "lanes",
     "candidates that start a round trip; 0 = when no ray of the warp can go on");
   r(c.return_latency, "return_latency", 0, "core cycles", "last ray done to the warp's next issue");
-  c.context = r.section().choice("context", c.context == ContextPolicy::kStack ? "stack" : "refetch",
-                                 {"stack", "refetch"},
-                                 "how a ray returns to a group: from a context stack, or by fetching "
-                                 "and setting up again") == "stack"
-                  ? ContextPolicy::kStack
-                  : ContextPolicy::kRefetch;
+  c.context =
+      r.section().choice("context", c.context == ContextPolicy::kStack ? "stack" : "refetch",
+                         {"stack", "refetch"},
+                         "how a ray returns to a group: from a context stack, or by fetching "
+                         "and setting up again") == "stack"
+          ? ContextPolicy::kStack
+          : ContextPolicy::kRefetch;
   read_testers(c, r.section().table("testers"));
 }
 
@@ -134,8 +136,9 @@ ShaderMemory read_shader_memory(const config::Section& section) {
 }  // namespace
 
 const char* tester_name(Tester tester) {
-  static constexpr const char* kNames[] = {"box",      "qbox",      "quantizer", "anchor",    "update",
-                                           "triangle", "transform", "setup",     "dequantize"};
+  static constexpr const char* kNames[] = {"box",       "qbox",   "quantizer",
+                                           "anchor",    "update", "triangle",
+                                           "transform", "setup",  "dequantize"};
   static_assert(std::size(kNames) == kTesters);
   return kNames[static_cast<std::size_t>(tester)];
 }

@@ -51,14 +51,10 @@ void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address sector, Traf
   const std::uint64_t chunk = sector.value / step;
   const std::uint32_t index = allocate();
   Request& r = requests_[index];
-  r = {sector,
-       chunk / slices_.size() * step + sector.value % step,
-       sm,
-       static_cast<std::uint32_t>(chunk % slices_.size()),
-       kNil,
-       kind,
-       write,
-       false,
+  r = {sector, chunk / slices_.size() * step + sector.value % step,
+       sm,     static_cast<std::uint32_t>(chunk % slices_.size()),
+       kNil,   kind,
+       write,  false,
        false};
   const Cycles sent = std::max(leaves, sm_out_free_[sm]);
   sm_out_free_[sm] = sent + Cycles{1};

@@ -101,8 +101,8 @@ Json testers_json(const SimulationResult& r, const MachineConfig& config) {
 
 Json utilisation_json(const SimulationResult& r, const MachineConfig& config) {
   const double cycles = static_cast<double>(r.cycles.value);
-  const double dram_cycles = cycles * static_cast<double>(config.dram.mhz) /
-                             static_cast<double>(config.core_mhz);
+  const double dram_cycles =
+      cycles * static_cast<double>(config.dram.mhz) / static_cast<double>(config.core_mhz);
   Json json;
   const Json testers = testers_json(r, config);
   for (auto tester = testers.begin(); tester != testers.end(); ++tester) {
@@ -114,11 +114,10 @@ Json utilisation_json(const SimulationResult& r, const MachineConfig& config) {
                            cycles * config.sm.count * config.sm.lsu_sectors_per_cycle);
   json["l1_banks"] = ratio(static_cast<double>(sum(r.l1.reads) + sum(r.l1.writes)),
                            cycles * config.sm.count * config.l1.banks);
-  json["l2_slices"] =
-      ratio(static_cast<double>(sum(r.l2.reads) + sum(r.l2.writes)),
-            cycles * config.l2.channels * config.l2.slices_per_channel);
-  json["dram_bus"] = ratio(static_cast<double>(r.dram.busy_cycles),
-                           dram_cycles * config.l2.channels);
+  json["l2_slices"] = ratio(static_cast<double>(sum(r.l2.reads) + sum(r.l2.writes)),
+                            cycles * config.l2.channels * config.l2.slices_per_channel);
+  json["dram_bus"] =
+      ratio(static_cast<double>(r.dram.busy_cycles), dram_cycles * config.l2.channels);
   json["schedulers"] = ratio(static_cast<double>(r.sm.instructions()),
                              cycles * config.sm.count * config.sm.schedulers);
   return json;
@@ -151,17 +150,18 @@ Json histogram_json(const PowerHistogram& h) {
 }  // namespace
 
 const char* traffic_name(Traffic kind) {
-  static constexpr const char* kNames[] = {"none", "node", "group_node", "sub_node", "anchor",
-                                           "triangle", "aabb", "instance", "stack", "shader"};
+  static constexpr const char* kNames[] = {"none",     "node", "group_node", "sub_node", "anchor",
+                                           "triangle", "aabb", "instance",   "stack",    "shader"};
   static_assert(std::size(kNames) == kTrafficKinds);
   return kNames[static_cast<std::size_t>(kind)];
 }
 
 const char* event_name(EventKind kind) {
   static constexpr const char* kNames[] = {
-      "fetches",     "box_tests",  "qbox_tests",    "triangle_tests", "ray_setups", "quantize_rays",
-      "anchor_tests", "updates",   "dequantizes",   "transforms",     "pushes",     "pops",
-      "context_pushes", "context_pops", "any_hits", "intersections",  "escapes"};
+      "fetches",       "box_tests",    "qbox_tests",     "triangle_tests", "ray_setups",
+      "quantize_rays", "anchor_tests", "updates",        "dequantizes",    "transforms",
+      "pushes",        "pops",         "context_pushes", "context_pops",   "any_hits",
+      "intersections", "escapes"};
   static_assert(std::size(kNames) == static_cast<std::size_t>(EventKind::kCount));
   return kNames[static_cast<std::size_t>(kind)];
 }
@@ -224,8 +224,7 @@ Json memory_json(const SimulationResult& r) {
             {"context_spills", r.rt.context_spills},
             {"context_fills", r.rt.context_fills},
             {"context_refetches", r.rt.context_refetches}}},
-          {"levels",
-           {{"l1", cache_json(r.l1)}, {"l2", cache_json(r.l2)}, {"dram", dram_json(r)}}}};
+          {"levels", {{"l1", cache_json(r.l1)}, {"l2", cache_json(r.l2)}, {"dram", dram_json(r)}}}};
 }
 
 Json events_json(const SimulationResult& r) {

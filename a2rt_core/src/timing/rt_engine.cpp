@@ -29,7 +29,8 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
     std::uint32_t count = share(c.count, index, config.sm.count);
     if (c.count > 0 && count == 0) {
       throw UserError("rt.testers." + std::string(tester_name(static_cast<Tester>(t))) +
-                      ".count = " + std::to_string(c.count) + " leaves an RT unit without one; use 0 or at least " +
+                      ".count = " + std::to_string(c.count) +
+                      " leaves an RT unit without one; use 0 or at least " +
                       std::to_string(config.sm.count));
     }
     pools_[t] = TesterPool(count, c.latency, c.interval, clock_);
@@ -51,7 +52,7 @@ void RtEngine::accept(Cycles now, std::uint32_t warp, const LaneRays& rays) {
   slot.judging = false;
   slot.warp = warp;
   slot.active = slot.suspended = slot.away = 0;
-  slot.age = age_++;
+  by_age_.push_back(index);
   slot.arrived = now;
   ++resident_;
   ++counts_.warps;
@@ -79,7 +80,9 @@ void RtEngine::set_state(Cycles now, Lane& lane, LaneState state) {
   account(now);
   const std::uint64_t spent = now.value - lane.since.value;
   lane.since = now;
-  const auto book = [&](LaneReason r) { counts_.lane_cycles[static_cast<std::size_t>(r)] += spent; };
+  const auto book = [&](LaneReason r) {
+    counts_.lane_cycles[static_cast<std::size_t>(r)] += spent;
+  };
   switch (lane.state) {
     case LaneState::kFetch:
       book(LaneReason::kFetch);
@@ -318,6 +321,7 @@ void RtEngine::end_ray(Cycles now, std::uint32_t slot, std::uint32_t l) {
       inactive * residence.value;
   counts_.warp_cycles += residence.value;
   s.used = false;
+  std::erase(by_age_, slot);
   --resident_;
   host_.rays_done(now, s.warp, now + config_.rt.return_latency);
   host_.slot_free(now);
@@ -393,7 +397,10 @@ std::string RtEngine::dump() const {
                                             "candidate", "at the shader", "done"};
   std::string text = "rt[" + std::to_string(index_) + "]: " + std::to_string(resident_) + "/" +
                      std::to_string(slots_.size()) + " warps, port " +
-                     (port_blocked_ ? "blocked by MSHRs" : port_booked_ ? "booked" : "idle") + "\n";
+                     (port_blocked_  ? "blocked by MSHRs"
+                      : port_booked_ ? "booked"
+                                     : "idle") +
+                     "\n";
   for (const auto& slot : slots_) {
     if (!slot->used) {
       continue;

@@ -23,14 +23,12 @@ void RtEngine::kick_port(Cycles now) {
 }
 
 std::uint32_t RtEngine::oldest_with_requests() const {
-  std::uint32_t best = static_cast<std::uint32_t>(slots_.size());
-  for (std::uint32_t i = 0; i < slots_.size(); ++i) {
-    if (slots_[i]->used && !slots_[i]->requests.nothing_to_send() &&
-        (best == slots_.size() || slots_[i]->age < slots_[best]->age)) {
-      best = i;
+  for (const std::uint32_t slot : by_age_) {
+    if (!slots_[slot]->requests.nothing_to_send()) {
+      return slot;
     }
   }
-  return best;
+  return static_cast<std::uint32_t>(slots_.size());
 }
 
 bool RtEngine::send_store(Cycles now) {

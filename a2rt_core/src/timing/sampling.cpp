@@ -59,8 +59,8 @@ SamplePlan plan_sample(const std::vector<double>& costs, double fraction, std::u
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return costs[a] < costs[b]; });
   // Enough warps per stratum that its spread can be estimated from at least two draws.
-  const auto wanted = static_cast<std::size_t>(
-      std::ceil(fraction * static_cast<double>(costs.size())));
+  const auto wanted =
+      static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(costs.size())));
   const std::size_t strata = std::clamp<std::size_t>(wanted / 2, 1, kMostStrata);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> chosen;  // warp, stratum
   std::size_t at = 0;
@@ -130,8 +130,7 @@ Estimate extrapolate_cycles(const SamplePlan& plan, const SimulationResult& subs
                          static_cast<double>(plan.warps.size());
   Estimate estimate;
   if (subset.last_launch > Cycles{0} && in_tail < plan.cost_chosen) {
-    estimate.value =
-        tail + full * (plan.cost_all - in_tail) / (plan.cost_chosen - in_tail);
+    estimate.value = tail + full * (plan.cost_all - in_tail) / (plan.cost_chosen - in_tail);
   } else {
     // All chosen warps fitted at once: there was no full phase to scale.
     estimate.value = static_cast<double>(subset.cycles.value) * plan.cost_all / plan.cost_chosen;

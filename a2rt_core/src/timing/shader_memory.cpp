@@ -25,9 +25,7 @@ std::uint64_t texel(std::uint32_t launch, std::uint32_t width) {
 }  // namespace
 
 ShaderAddresses::ShaderAddresses(const Workload& workload, const MachineConfig& config)
-    : workload_(workload),
-      model_(config.shader_memory),
-      words_per_load_(config.sm.words_per_load) {
+    : workload_(workload), model_(config.shader_memory), words_per_load_(config.sm.words_per_load) {
   std::uint64_t records = 0;
   for (const Blas& blas : workload.blas) {
     blas_first_.push_back(records);
@@ -71,7 +69,8 @@ void ShaderAddresses::sectors(ShaderAccess access, std::uint32_t ordinal, const 
   const std::uint64_t offset = ordinal * bytes;
   const bool hit_shader = work.shader < works_on_hit_.size() && works_on_hit_[work.shader];
   const auto add = [&](std::uint64_t address, std::uint64_t length) {
-    for (std::uint64_t s = address / kSectorBytes; s <= (address + length - 1) / kSectorBytes; ++s) {
+    for (std::uint64_t s = address / kSectorBytes; s <= (address + length - 1) / kSectorBytes;
+         ++s) {
       out.push_back(Address{s * kSectorBytes});
     }
   };

@@ -16,7 +16,8 @@ class Machine final : public SmHost {
         addresses_(workload, config),
         memory_(config, calendar_) {
     for (std::uint32_t i = 0; i < config.sm.count; ++i) {
-      sms_.push_back(std::make_unique<Sm>(config, i, calendar_, memory_, source, addresses_, *this));
+      sms_.push_back(
+          std::make_unique<Sm>(config, i, calendar_, memory_, source, addresses_, *this));
       memory_.connect(i, sms_.back()->l1());
     }
   }
@@ -77,9 +78,9 @@ void Machine::ray_time(std::uint32_t ray, Cycles cycles) {
 }
 
 std::string Machine::dump() const {
-  std::string text = "cycle " + std::to_string(calendar_.now().value) + ", last progress in cycle " +
-                     std::to_string(calendar_.last_progress().value) + ", " +
-                     std::to_string(calendar_.pending()) + " appointments, " +
+  std::string text = "cycle " + std::to_string(calendar_.now().value) +
+                     ", last progress in cycle " + std::to_string(calendar_.last_progress().value) +
+                     ", " + std::to_string(calendar_.pending()) + " appointments, " +
                      std::to_string(retired_) + "/" + std::to_string(total_) + " warps done\n";
   for (const auto& sm : sms_) {
     text += sm->dump();
@@ -89,8 +90,8 @@ std::string Machine::dump() const {
 
 void Machine::check_progress() const {
   const std::uint64_t idle = calendar_.now().value - calendar_.last_progress().value;
-  A2RT_CHECK(idle <= config_.watchdog_cycles,
-             "no progress for " + std::to_string(idle) + " cycles; state of the machine:\n" + dump());
+  A2RT_CHECK(idle <= config_.watchdog_cycles, "no progress for " + std::to_string(idle) +
+                                                  " cycles; state of the machine:\n" + dump());
 }
 
 void Machine::run_dispatch(std::size_t dispatch) {
@@ -110,8 +111,8 @@ void Machine::run_dispatch(std::size_t dispatch) {
                  std::all_of(sms_.begin(), sms_.end(), [](const auto& sm) { return sm->idle(); }),
              "nothing is left to happen, yet warps are not done; state of the machine:\n" + dump());
   (void)dispatch;
-  result_.dispatches.push_back({calendar_.now() - start,
-                                result_.ray_cycles.count() - rays_before, queue_.size()});
+  result_.dispatches.push_back(
+      {calendar_.now() - start, result_.ray_cycles.count() - rays_before, queue_.size()});
 }
 
 SimulationResult Machine::run(const std::vector<WarpPlace>& places,
@@ -273,8 +274,7 @@ void Machine::collect() {
   result_.milliseconds =
       static_cast<double>(result_.cycles.value) / (static_cast<double>(config_.core_mhz) * 1e3);
   result_.appointments = calendar_.served();
-  A2RT_CHECK(total(result_.l1.misses) == total(result_.l2.reads),
-             "L1 misses differ from L2 reads");
+  A2RT_CHECK(total(result_.l1.misses) == total(result_.l2.reads), "L1 misses differ from L2 reads");
   A2RT_CHECK(result_.rt.rays == result_.ray_cycles.count(), "a ray was lost in an RT unit");
   A2RT_CHECK(retired_ == total_, "a warp was lost");
   std::sort(result_.warps.begin(), result_.warps.end(),

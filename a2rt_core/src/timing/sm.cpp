@@ -30,8 +30,8 @@ Sm::Sm(const MachineConfig& config, std::uint32_t index, Calendar& calendar, Low
 }
 
 bool Sm::launch(Cycles now) {
-  const auto free =
-      std::find_if(warps_.begin(), warps_.end(), [](const Warp& w) { return w.state == State::kEmpty; });
+  const auto free = std::find_if(warps_.begin(), warps_.end(),
+                                 [](const Warp& w) { return w.state == State::kEmpty; });
   if (free == warps_.end() || !host_.next_warp(new_warp_)) {
     return false;
   }
@@ -257,9 +257,12 @@ std::array<std::uint64_t, static_cast<std::size_t>(SchedulerReason::kCount)> Sm:
 }
 
 std::string Sm::dump() const {
-  static constexpr const char* kStates[] = {"empty",          "ready",
-                                            "waits for loads", "waits for the load/store queue",
-                                            "waits for the RT unit", "in the RT unit"};
+  static constexpr const char* kStates[] = {"empty",
+                                            "ready",
+                                            "waits for loads",
+                                            "waits for the load/store queue",
+                                            "waits for the RT unit",
+                                            "in the RT unit"};
   std::string text = "sm[" + std::to_string(index_) + "]: " + std::to_string(resident_) +
                      " warps, load/store queue " + std::to_string(lsu_.size() - lsu_head_) +
                      (lsu_blocked_ ? " blocked by MSHRs" : "") + "\n";

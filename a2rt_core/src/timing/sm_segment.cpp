@@ -208,9 +208,9 @@ void Sm::run_lsu(Cycles now) {
   lsu_free_ = now + Cycles{1};
   while (lsu_head_ < lsu_.size() && lsu_budget_.left(now) > 0) {
     const LsuEntry& entry = lsu_[lsu_head_];
-    const L1Cache::Reply reply =
-        entry.write ? l1_.write(now, entry.sector, entry.kind)
-                    : l1_.read(now, entry.sector, entry.kind, *this, entry.slot);
+    const L1Cache::Reply reply = entry.write
+                                     ? l1_.write(now, entry.sector, entry.kind)
+                                     : l1_.read(now, entry.sector, entry.kind, *this, entry.slot);
     if (reply == L1Cache::Reply::kMshrFull) {
       lsu_blocked_ = true;
     }

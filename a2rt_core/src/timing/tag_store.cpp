@@ -12,14 +12,15 @@ TagStore::TagStore(Bytes capacity, std::uint32_t ways, const char* name) {
   ways_ = ways == 0 ? static_cast<std::uint32_t>(lines) : ways;
   if (lines == 0 || capacity.value % kLineBytes != 0 || lines % ways_ != 0) {
     throw UserError(std::string(name) + ": capacity of " + std::to_string(capacity.value) +
-                    " bytes is not a whole number of sets of " + std::to_string(ways_) + " lines of " +
-                    std::to_string(kLineBytes) + " bytes; change capacity or ways");
+                    " bytes is not a whole number of sets of " + std::to_string(ways_) +
+                    " lines of " + std::to_string(kLineBytes) + " bytes; change capacity or ways");
   }
   sets_count_ = lines / ways_;
   lines_.resize(lines);
   sets_.resize(sets_count_);
   for (std::uint32_t i = 0; i < lines; ++i) {
-    Set& set = sets_[set_of(i)];
+    lines_[i].set = i / ways_;
+    Set& set = sets_[lines_[i].set];
     lines_[i].newer = set.oldest;
     if (set.oldest != kNoLine) {
       lines_[set.oldest].older = i;
@@ -33,16 +34,8 @@ TagStore::TagStore(Bytes capacity, std::uint32_t ways, const char* name) {
   hash_shift_ = 64 - static_cast<std::uint32_t>(std::bit_width(buckets) - 1);
 }
 
-std::uint32_t TagStore::find(std::uint64_t line) const {
-  std::uint32_t index = buckets_[hash(line)];
-  while (index != kNoLine && lines_[index].tag != line) {
-    index = lines_[index].hash_next;
-  }
-  return index;
-}
-
 void TagStore::make_newest(std::uint32_t index) {
-  Set& set = sets_[set_of(index)];
+  Set& set = sets_[lines_[index].set];
   if (set.newest == index) {
     return;
   }
@@ -58,15 +51,6 @@ void TagStore::make_newest(std::uint32_t index) {
   line.newer = kNoLine;
   lines_[set.newest].newer = index;
   set.newest = index;
-}
-
-bool TagStore::touch(Address sector) {
-  const std::uint32_t index = find(line_of(sector));
-  if (index == kNoLine || (lines_[index].valid >> sector_index(sector) & 1) == 0) {
-    return false;
-  }
-  make_newest(index);
-  return true;
 }
 
 bool TagStore::contains(Address sector) const {

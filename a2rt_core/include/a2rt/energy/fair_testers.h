@@ -22,8 +22,8 @@ Comparison comparison_of(const std::string& name);
 const char* comparison_name(Comparison comparison);
 
 struct TesterArea {
-  double reference_um2 = 0;  // box testing part of the A2RT engine
-  double used_um2 = 0;       // of this design's testers
+  double reference_um2 = 0;      // box testing part of the A2RT engine
+  double used_um2 = 0;           // of this design's testers
   bool reached_minimum = false;  // fewer would fit than the machine has RT units
 };
 

@@ -55,7 +55,7 @@ struct Ledger {
   double dynamic_pj() const;
   double leakage_pj() const;
   double total_pj() const { return dynamic_pj() + leakage_pj(); }
-  double low_pj() const;   // every action at its low value, leakage as it is
+  double low_pj() const;  // every action at its low value, leakage as it is
   double high_pj() const;
 };
 

@@ -45,11 +45,11 @@ enum class SchedulerReason : std::uint8_t {
   kIssueSfu,
   kIssueMemory,
   kIssueTrace,
-  kWaitDependency,   // a warp waits for its own ALU or SFU result
-  kWaitMemory,       // for loads
-  kWaitLsu,          // for room in the load/store queue
-  kWaitRtSlot,       // for a place in the RT unit's warp buffer
-  kWaitRtUnit,       // warps are being traced
+  kWaitDependency,  // a warp waits for its own ALU or SFU result
+  kWaitMemory,      // for loads
+  kWaitLsu,         // for room in the load/store queue
+  kWaitRtSlot,      // for a place in the RT unit's warp buffer
+  kWaitRtUnit,      // warps are being traced
   kNoWarp,
   kCount
 };
@@ -57,24 +57,24 @@ const char* reason_name(SchedulerReason reason);
 
 // What an RT unit did in a cycle.
 enum class RtReason : std::uint8_t {
-  kFetch,        // the L1 port sent a request
-  kBankBusy,     // its request was turned away by an L1 bank
-  kMshrFull,     // by the L1's MSHRs
-  kTest,         // no request to send, testers at work
-  kWaitMemory,   // no test under way, data awaited
-  kWaitShader,   // candidates are being judged on the SM
-  kIdle,         // no warp
+  kFetch,       // the L1 port sent a request
+  kBankBusy,    // its request was turned away by an L1 bank
+  kMshrFull,    // by the L1's MSHRs
+  kTest,        // no request to send, testers at work
+  kWaitMemory,  // no test under way, data awaited
+  kWaitShader,  // candidates are being judged on the SM
+  kIdle,        // no warp
   kCount
 };
 const char* reason_name(RtReason reason);
 
 // What the lanes of resident warps did, in lane-cycles.
 enum class LaneReason : std::uint8_t {
-  kFetch,       // waiting for its sectors, port included
-  kTest,        // in a tester or waiting for one
-  kShader,      // candidate away on the SM
-  kDone,        // waiting for the other rays of the warp
-  kInactive,    // lane without a ray
+  kFetch,     // waiting for its sectors, port included
+  kTest,      // in a tester or waiting for one
+  kShader,    // candidate away on the SM
+  kDone,      // waiting for the other rays of the warp
+  kInactive,  // lane without a ray
   kCount
 };
 const char* reason_name(LaneReason reason);
@@ -84,14 +84,22 @@ class BinnedSeries {
  public:
   explicit BinnedSeries(std::size_t bins = 256) : sums_(bins, 0) {}
   // Adds `value` for each cycle in [from, to).
-  void add(Cycles from, Cycles to, std::uint64_t value);
-  std::uint64_t width() const { return width_; }
+  void add(Cycles from, Cycles to, std::uint64_t value) {
+    const std::uint64_t bin = from.value >> shift_;
+    if (to.value <= (bin + 1) << shift_ && bin < sums_.size()) [[likely]] {
+      sums_[bin] += (to.value - from.value) * value;
+    } else {
+      add_across(from, to, value);
+    }
+  }
+  std::uint64_t width() const { return std::uint64_t{1} << shift_; }
   // Means per bin up to `end`; the last bin may be partial.
   std::vector<double> means(Cycles end) const;
 
  private:
+  void add_across(Cycles from, Cycles to, std::uint64_t value);
   std::vector<std::uint64_t> sums_;
-  std::uint64_t width_ = 64;
+  std::uint32_t shift_ = 6;
 };
 
 // Counts in bins of powers of two: bin b holds values in [2^b, 2^(b+1)), bin 0 also 0.

@@ -60,6 +60,11 @@ class L1Cache final : public SectorSink {
   std::size_t bucket(Address sector) const {
     return ((sector.value / kSectorBytes) * 0x9e3779b97f4a7c15u) >> 54;
   }
+  // Banks are a power of two on every machine we know; others pay for a division.
+  Budget& bank_of(Address sector) {
+    const std::uint64_t index = sector.value / kSectorBytes;
+    return banks_[bank_mask_ != 0 ? index & bank_mask_ : index % banks_.size()];
+  }
   std::uint32_t find_mshr(Address sector) const;
   void add_waiter(Mshr& mshr, Component& client, std::uint32_t token, Cycles earliest);
   void wait_for_mshr(Component& client);
@@ -71,6 +76,7 @@ class L1Cache final : public SectorSink {
   std::uint32_t sm_;
   TagStore tags_;
   std::vector<Budget> banks_;
+  std::uint64_t bank_mask_ = 0;
   std::vector<Mshr> mshrs_;
   std::vector<std::uint32_t> buckets_;
   std::uint32_t free_mshr_ = kNil;

@@ -95,9 +95,10 @@ struct RtConfig {
   ContextPolicy context = ContextPolicy::kStack;
   std::uint32_t context_entries = 4;  // per ray, on chip; 0 = unlimited
   std::uint32_t context_bytes = 32;
-  Cycles callback_latency{20};      // each way between RT unit and SM
-  std::uint32_t callback_lanes = 0;  // candidates that trigger a round trip; 0 = when no lane can go on
-  Cycles return_latency{4};         // last ray done until the warp can issue again
+  Cycles callback_latency{20};  // each way between RT unit and SM
+  std::uint32_t callback_lanes =
+      0;                     // candidates that trigger a round trip; 0 = when no lane can go on
+  Cycles return_latency{4};  // last ray done until the warp can issue again
   std::array<TesterConfig, kTesters> testers{};
 
   TesterConfig& tester(Tester t) { return testers[static_cast<std::size_t>(t)]; }

@@ -51,8 +51,8 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   };
   struct Slice {
     TagStore tags;
-    Cycles lookup_free;  // L2 clock
-    Cycles out_free;     // core clock
+    Cycles lookup_free;                // L2 clock
+    Cycles out_free;                   // core clock
     std::vector<std::uint32_t> mshrs;  // hash buckets of request indices, chained by `next`
     std::uint32_t mshrs_used = 0;
     std::deque<std::uint32_t> blocked;
@@ -63,8 +63,8 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   void miss(Cycles now, std::uint32_t index);
   void wake_blocked(Cycles now, Slice& slice);
   void respond(Cycles ready, std::uint32_t index);
-  void insert(Cycles now, Slice& slice, std::uint32_t slice_index, std::uint64_t local, Traffic kind,
-              bool dirty);
+  void insert(Cycles now, Slice& slice, std::uint32_t slice_index, std::uint64_t local,
+              Traffic kind, bool dirty);
   std::uint64_t channel_local(std::uint32_t slice, std::uint64_t local) const;
   void dram_done(Cycles now, std::uint32_t tag) override;
   std::size_t bucket(std::uint64_t local) const {

@@ -37,9 +37,9 @@ class DispatchProgram {
 // What a shader does between two points where its warp must wait; maxima over the warp's lanes.
 struct SegmentWork {
   std::uint32_t shader = 0;
-  Counts counts{};            // maximum over lanes: what the warp issues
+  Counts counts{};                                  // maximum over lanes: what the warp issues
   std::uint64_t lane_sum[capture::kCounters] = {};  // sum over lanes: what is computed
-  std::uint32_t lanes = 0;    // bit per lane
+  std::uint32_t lanes = 0;                          // bit per lane
 };
 
 // The lanes of one warp on their way through their segments. Lanes in the same shader at the same

@@ -111,7 +111,6 @@ class RtEngine final : public Component {
     std::uint32_t active = 0;     // lanes not done
     std::uint32_t suspended = 0;  // lanes with a candidate, not yet sent
     std::uint32_t away = 0;       // lanes whose candidate is on the SM
-    std::uint64_t age = 0;
     Cycles arrived;
     std::array<Lane, kLanes> lanes;
     std::array<std::vector<Event>, kLanes> events;
@@ -159,8 +158,8 @@ class RtEngine final : public Component {
   ClockDomain clock_;
   std::array<TesterPool, kTesters> pools_;
   std::vector<std::unique_ptr<Slot>> slots_;
+  std::vector<std::uint32_t> by_age_;  // resident slots, oldest first
   std::uint32_t resident_ = 0;
-  std::uint64_t age_ = 0;
   std::vector<Address> stores_;  // sectors, sent in order
   std::size_t stores_head_ = 0;
   Budget port_;

@@ -17,10 +17,10 @@
 namespace a2rt::timing {
 
 struct SamplePlan {
-  std::vector<std::uint32_t> warps;        // chosen, ascending
-  std::vector<std::uint32_t> stratum;      // of each chosen warp
+  std::vector<std::uint32_t> warps;         // chosen, ascending
+  std::vector<std::uint32_t> stratum;       // of each chosen warp
   std::vector<std::uint64_t> stratum_size;  // warps in each stratum
-  std::vector<double> cost;                // proxy of every warp
+  std::vector<double> cost;                 // proxy of every warp
   double cost_all = 0, cost_chosen = 0;
 };
 

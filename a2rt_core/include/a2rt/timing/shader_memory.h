@@ -4,8 +4,8 @@
 // vertices of 36 bytes and an index triple fill one in the LumiBench shaders), so lanes and warps
 // that hit the same geometry share sectors as they would with real buffers; what it reads beyond
 // that is a material shared by all. Ray generation and miss shaders stream by launch id. Texels lie
-// in 8x4 tiles by launch id. Payload and attributes are thread-private words, interleaved by lane as
-// GPUs lay out local memory. `streaming`: every buffer load streams by launch id (no reuse).
+// in 8x4 tiles by launch id. Payload and attributes are thread-private words, interleaved by lane
+// as GPUs lay out local memory. `streaming`: every buffer load streams by launch id (no reuse).
 // `ideal`: loads take the L1's latency and cause no traffic. Uniform loads hit a constant cache.
 #pragma once
 

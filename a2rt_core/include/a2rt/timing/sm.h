@@ -1,9 +1,10 @@
 // One streaming multiprocessor: resident warps replay their segments under greedy-then-oldest
 // schedulers, load and store through the L1, and park in the RT unit while their rays are traced.
 //
-// A warp issues `independent_instructions` back to back, then waits for the latency of the last: the
-// capture counts instructions but not their dependences. Loads are spread evenly over the segment's
-// arithmetic and issued `loads_in_flight` at a time before their use; stores end the segment.
+// A warp issues `independent_instructions` back to back, then waits for the latency of the last:
+// the capture counts instructions but not their dependences. Loads are spread evenly over the
+// segment's arithmetic and issued `loads_in_flight` at a time before their use; stores end the
+// segment.
 #pragma once
 
 #include <array>
@@ -88,7 +89,7 @@ class Sm final : public Component, public RtHost {
     // What is left of the segment.
     std::uint32_t uniform = 0, alu = 0, sfu = 0, loads = 0, stores = 0;
     std::uint32_t alu_phase = 0, sfu_phase = 0, loads_phase = 0, phases = 0;
-    std::array<std::uint32_t, 3> loads_left{};  // buffer, texture, payload
+    std::array<std::uint32_t, 3> loads_left{};   // buffer, texture, payload
     std::array<std::uint32_t, 2> stores_left{};  // buffer, payload
   };
   struct Scheduler {

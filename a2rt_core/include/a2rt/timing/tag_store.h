@@ -35,7 +35,14 @@ class TagStore {
   };
 
   // True if the sector is valid; makes its line the most recent.
-  bool touch(Address sector);
+  bool touch(Address sector) {
+    const std::uint32_t index = find(line_of(sector));
+    if (index == kNoLine || (lines_[index].valid >> sector_index(sector) & 1) == 0) {
+      return false;
+    }
+    make_newest(index);
+    return true;
+  }
   bool contains(Address sector) const;
   // Makes the sector valid (and dirty), allocating its line at the expense of the set's LRU line.
   std::optional<Victim> insert(Cycles now, Address sector, Traffic kind, bool dirty);
@@ -49,7 +56,7 @@ class TagStore {
   static constexpr std::uint32_t kNoLine = 0xffffffffu;
   struct Line {
     std::uint64_t tag = 0;
-    std::uint32_t older = kNoLine, newer = kNoLine, hash_next = kNoLine;
+    std::uint32_t older = kNoLine, newer = kNoLine, hash_next = kNoLine, set = 0;
     std::uint8_t valid = 0, dirty = 0;
     bool used = false;
     std::array<Traffic, kSectorsPerLine> kinds{};
@@ -57,11 +64,14 @@ class TagStore {
   struct Set {
     std::uint32_t newest = kNoLine, oldest = kNoLine;
   };
-  std::size_t hash(std::uint64_t line) const {
-    return (line * 0x9e3779b97f4a7c15u) >> hash_shift_;
+  std::size_t hash(std::uint64_t line) const { return (line * 0x9e3779b97f4a7c15u) >> hash_shift_; }
+  std::uint32_t find(std::uint64_t line) const {
+    std::uint32_t index = buckets_[hash(line)];
+    while (index != kNoLine && lines_[index].tag != line) {
+      index = lines_[index].hash_next;
+    }
+    return index;
   }
-  std::size_t set_of(std::uint32_t index) const { return index / ways_; }
-  std::uint32_t find(std::uint64_t line) const;
   void make_newest(std::uint32_t index);
   void unlink_hash(std::uint32_t index);
   void change_residence(Cycles now, Traffic kind, int delta);
