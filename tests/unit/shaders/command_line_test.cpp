@@ -17,7 +17,7 @@ class Refused : public ::testing::TestWithParam<Refusal> {};
 TEST_P(Refused, EndsWithStatusTwoAndNoOutput) {
   const TemporaryFolder folder;
   const auto picture = folder.path() / "x.png";
-  const Run run = run_program(GetParam().arguments + " -o " + picture.string());
+  const Outcome run = run_program(GetParam().arguments + " -o " + picture.string());
   EXPECT_EQ(run.status, 2) << run.output;
   EXPECT_THAT(run.output, HasSubstr(GetParam().message));
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
@@ -39,13 +39,13 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 TEST(CommandLine, NeedsLavapipeAndSaysHowToGetIt) {
-  const Run run = run_program("cornell --size 8x8", "VK_ICD_FILENAMES=/nonexistent.json");
+  const Outcome run = run_program("cornell --size 8x8", "VK_ICD_FILENAMES=/nonexistent.json");
   EXPECT_EQ(run.status, 2);
   EXPECT_THAT(run.output, HasSubstr("mesa-vulkan-drivers"));
 }
 
 TEST(CommandLine, ListsEffectsAsJsonWithoutADevice) {
-  const Run run = run_program("cornell --list-effects", "VK_ICD_FILENAMES=/nonexistent.json");
+  const Outcome run = run_program("cornell --list-effects", "VK_ICD_FILENAMES=/nonexistent.json");
   EXPECT_EQ(run.status, 0) << run.output;
   EXPECT_THAT(run.output, HasSubstr("\"refraction\""));
   EXPECT_THAT(run.output, HasSubstr("material glass"));
@@ -55,7 +55,7 @@ TEST(CommandLine, AnUnwritableOutputIsAnError) {
   if (const std::string reason = why_no_device(); !reason.empty()) {
     GTEST_SKIP() << reason;
   }
-  const Run run = run_program("cornell --size 4x4 --spp 1 -o /nonexistent/x.png");
+  const Outcome run = run_program("cornell --size 4x4 --spp 1 -o /nonexistent/x.png");
   EXPECT_EQ(run.status, 2);
   EXPECT_THAT(run.output, HasSubstr("cannot write /nonexistent/x.png"));
 }

@@ -25,8 +25,9 @@ class Furnace : public ::testing::Test {
   double mean_of(const QuadFile& quad, const std::string& arguments) {
     const auto file = folder_.write("quad.gltf", quad.text());
     const auto picture = folder_.path() / "quad.pfm";
-    const Run run = run_program(file.string() + " --camera 0,0,1/0,0,0/20 --size 16x16 -q --hdr " +
-                                picture.string() + " " + arguments);
+    const Outcome run =
+        run_program(file.string() + " --camera 0,0,1/0,0,0/20 --size 16x16 -q --hdr " +
+                    picture.string() + " " + arguments);
     EXPECT_EQ(run.status, 0) << run.output;
     double sum = 0;
     const std::vector<float> rgb = read_pfm(picture);
@@ -91,8 +92,9 @@ TEST_F(Furnace, LightSamplingAndPlainPathsAgreeOnTheCornellBox) {
   const auto brightness = [&](const std::string& workload) {
     const auto picture = folder_.path() / "cornell.pfm";
     // The floor before the blocks, lit by the lamp and the walls; no caustics get there.
-    const Run run = run_program("cornell -q --size 12x6 --spp 192 --max-bounces 4 -w " + workload +
-                                " --camera 2.75,2.2,5.4/0.7,0,5.0/16 --hdr " + picture.string());
+    const Outcome run =
+        run_program("cornell -q --size 12x6 --spp 192 --max-bounces 4 -w " + workload +
+                    " --camera 2.75,2.2,5.4/0.7,0,5.0/16 --hdr " + picture.string());
     EXPECT_EQ(run.status, 0) << run.output;
     double sum = 0;
     const std::vector<float> rgb = read_pfm(picture);

@@ -17,7 +17,7 @@ class Picture : public ::testing::Test {
   // Bytes of the float picture; fails the test if the program does.
   std::string draw(const std::string& arguments, const std::string& environment = "") {
     const auto file = folder_.path() / "picture.pfm";
-    const Run run = run_program(arguments + " -q --hdr " + file.string(), environment);
+    const Outcome run = run_program(arguments + " -q --hdr " + file.string(), environment);
     EXPECT_EQ(run.status, 0) << arguments << ": " << run.output;
     const std::string bytes = read_bytes(file);
     EXPECT_FALSE(bytes.empty()) << arguments;
@@ -51,8 +51,8 @@ TEST_F(Picture, AutoAndAllEffectsDrawTheSameBytes) {
 TEST_F(Picture, EveryWorkloadDrawsAndNoneBlack) {
   for (const char* workload : {"pt", "ptl", "sh", "ao", "hybrid", "refl", "whitted", "anyhit"}) {
     const auto file = folder_.path() / "w.pfm";
-    const Run run = run_program(std::string("cornell --size 12x12 --spp 1 -q -w ") + workload +
-                                " --hdr " + file.string());
+    const Outcome run = run_program(std::string("cornell --size 12x12 --spp 1 -q -w ") + workload +
+                                    " --hdr " + file.string());
     ASSERT_EQ(run.status, 0) << run.output;
     double sum = 0;
     for (const float value : read_pfm(file)) {
@@ -71,7 +71,8 @@ TEST_F(Picture, ShadowsAreTheSameWithAndWithoutTheClosestHitShader) {
 }
 
 TEST_F(Picture, ALeftOutEffectIsNamed) {
-  const Run run = run_program("cornell --size 8x8 --spp 1 --effects diffuse,soft-shadow,emission");
+  const Outcome run =
+      run_program("cornell --size 8x8 --spp 1 --effects diffuse,soft-shadow,emission");
   EXPECT_EQ(run.status, 0);
   EXPECT_NE(run.output.find("lacks refraction"), std::string::npos) << run.output;
 }

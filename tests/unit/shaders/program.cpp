@@ -9,10 +9,10 @@
 
 namespace a2rt::test {
 
-Run run_program(const std::string& arguments, const std::string& environment) {
+Outcome run_program(const std::string& arguments, const std::string& environment) {
   const std::string command =
       environment + " " + std::string(A2RT_RENDER) + " " + arguments + " 2>&1";
-  Run run;
+  Outcome run;
   FILE* pipe = popen(command.c_str(), "r");
   char buffer[4096];
   for (std::size_t n = 0; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) {
@@ -26,7 +26,7 @@ Run run_program(const std::string& arguments, const std::string& environment) {
 std::string why_no_device() {
   const TemporaryFolder folder;
   const auto quad = folder.write("quad.gltf", QuadFile{}.text());
-  const Run run = run_program(quad.string() + " --size 1x1 --spp 1 -q");
+  const Outcome run = run_program(quad.string() + " --size 1x1 --spp 1 -q");
   return run.status == 0 ? "" : run.output;
 }
 

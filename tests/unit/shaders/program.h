@@ -9,12 +9,12 @@
 
 namespace a2rt::test {
 
-struct Run {
+struct Outcome {
   int status = 0;
   std::string output;  // stdout and stderr
 };
 // `environment` is put in front, e.g. "LP_NUM_THREADS=1".
-Run run_program(const std::string& arguments, const std::string& environment = "");
+Outcome run_program(const std::string& arguments, const std::string& environment = "");
 
 // Empty if a2rt-render can draw here, else the reason (no lavapipe, no ray-tracing pipelines).
 std::string why_no_device();
