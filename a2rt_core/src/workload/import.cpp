@@ -252,11 +252,15 @@ Workload import_capture(std::span<const std::byte> manifest_bytes,
 
 Workload import_capture(const std::filesystem::path& directory, const ImportOptions& options,
                         ImportReport& report) {
-  if (!std::filesystem::exists(directory / "manifest.bin") &&
-      std::filesystem::exists(directory / "manifest.bin.part")) {
+  if (std::filesystem::exists(directory / "manifest.bin.part")) {
     throw UserError(directory.string() +
                     ": the capture is not complete (the program crashed or was killed); run it "
                     "again");
+  }
+  if (!std::filesystem::exists(directory / "manifest.bin")) {
+    throw UserError(directory.string() +
+                    ": no capture: manifest.bin is missing; name the directory that the layer "
+                    "wrote (A2RT_CAPTURE)");
   }
   const MappedFile manifest(directory / "manifest.bin");
   const MappedFile records(directory / "records.bin");
