@@ -76,7 +76,7 @@ TEST(Traffic, TrianglesTake36BytesPerTest) {
   const Workload w = scene(Shape::kSoup, 500);
   const EventTotals t = totals("baseline", w);
   std::uint64_t found = 0;
-  for (const Hit& h : w.driver_hits) {
+  for (const Hit& h : hits_of(*built("baseline", w), w)) {
     found += h.state == HitState::kHit ? 1U : 0U;
   }
   EXPECT_GT(found, 0U);
