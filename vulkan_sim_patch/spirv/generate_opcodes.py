@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import os
 from pathlib import Path
 
 CLASSES = {
@@ -43,7 +42,7 @@ def main() -> None:
         rows.setdefault(opcode, text)
     temporary = arguments.output.with_suffix(".tmp")
     temporary.write_text("\n".join(rows[opcode] for opcode in sorted(rows)) + "\n")
-    os.replace(temporary, arguments.output)
+    temporary.replace(arguments.output)
 
 
 if __name__ == "__main__":
