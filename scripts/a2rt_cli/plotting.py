@@ -82,7 +82,7 @@ def beside_text(rows: Sequence[dict]) -> str:
     return console.table(("quantity", "paper", "ours", "gap"), cells)
 
 
-def write_numbers(out: Path, name: str, rows: Sequence[dict], **more: object) -> Path:
+def write_numbers(out: Path, name: str, paper: Sequence[dict], **more: object) -> Path:
     target = out / f"{name}.json"
-    write_json(target, {"paper": list(rows), **more})
+    write_json(target, {"paper": list(paper), **more})
     return target
