@@ -91,8 +91,8 @@ inline constexpr std::uint32_t kQueryVerdictUnits = 3;
 enum class AnyHitVerdict : std::uint32_t { kAccept = 0, kIgnore = 1, kTerminate = 2 };
 
 // Meaning of the eight counters. Units: scalar operations (a vec3 add counts 3) or, for memory,
-// 32-bit words; kTexture and kControl count instructions. What each SPIR-V instruction counts stands
-// in vulkan_sim_patch/spirv/weights.h.
+// 32-bit words; kTexture and kControl count instructions. What each SPIR-V instruction counts
+// stands in vulkan_sim_patch/spirv/weights.h.
 enum class Counter : std::uint32_t {
   kAlu = 0,
   kSfu = 1,
