@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
 #include "a2rt/base/error.h"
 #include "a2rt/workload/exact_walk.h"
+#include "a2rt/workload/ray_rules.h"
 #include "a2rt/workload/reference.h"
 #include "a2rt/workload/verdicts.h"
 
@@ -17,8 +19,26 @@ bool is_hit(const Hit& hit) {
   return hit.state == HitState::kHit || hit.state == HitState::kHitInferred;
 }
 
+// Tells the ray that an entry was decided for. An earlier verdict may change what the program
+// traces next, and then an entry of the previous pass belongs to a ray that is gone. It travels in
+// VerdictEntry::reserved, which the layer does not look at.
+std::uint32_t mark_of(const Ray& ray) {
+  const float values[] = {ray.origin.x, ray.origin.y, ray.origin.z, ray.tmin,
+                          ray.dir.x,    ray.dir.y,    ray.dir.z,    ray.tmax};
+  std::uint32_t hash = 2166136261u;  // FNV-1a over words
+  for (const float value : values) {
+    hash = (hash ^ std::bit_cast<std::uint32_t>(value)) * 16777619u;
+    hash ^= hash >> 15;
+  }
+  return hash;
+}
+
 VerdictEntry entry(VerdictAction action, float tmin = 0, float tmax = 0) {
   return {static_cast<std::uint32_t>(action), tmin, tmax, 0};
+}
+
+bool keeps(const VerdictEntry& e) {
+  return e.action == static_cast<std::uint32_t>(VerdictAction::kKeep);
 }
 
 bool same_entry(const VerdictEntry& a, const VerdictEntry& b) {
@@ -38,9 +58,11 @@ class Decider {
   VerdictEntry decide(std::size_t index, const Hit& unit) {
     const Ray& ray = workload_.rays[index];
     const VerdictEntry before = previous_.find(ray.dispatch, ray.launch, ray.ordinal);
-    const VerdictEntry now =
-        agrees(ray, workload_.driver_hits[index], unit) ? before : changed(index, ray, unit);
-    summary_.entries += now.action != static_cast<std::uint32_t>(VerdictAction::kKeep) ? 1 : 0;
+    const bool stands = agrees(ray, workload_.driver_hits[index], unit) ||
+                        rests_on_ignorance(index, ray, unit, before);
+    VerdictEntry now = stands ? before : changed(index, ray, unit);
+    now.reserved = keeps(now) ? 0 : mark_of(ray);
+    summary_.entries += keeps(now) ? 0 : 1;
     summary_.changed += same_entry(now, before) ? 0 : 1;
     return now;
   }
@@ -56,6 +78,30 @@ class Decider {
       return is_hit(recorded) == is_hit(unit);
     }
     return !sees_ids(ray) || same_hit(recorded, unit);
+  }
+  // Under a verdict the driver judges only candidates inside the new interval, and none if a miss
+  // is forced. A unit that meets another one takes it for accepted. The pass before, which led to
+  // this verdict for this very ray, knew better.
+  bool rests_on_ignorance(std::size_t index, const Ray& ray, const Hit& unit,
+                          const VerdictEntry& before) const {
+    if (keeps(before) || before.reserved != mark_of(ray) || !is_hit(unit)) {
+      return false;
+    }
+    const bool inside = before.action == static_cast<std::uint32_t>(VerdictAction::kInterval) &&
+                        unit.t > before.tmin && unit.t < before.tmax;
+    return !inside && !opaque(ray, unit) && !judged(index, unit);
+  }
+  bool opaque(const Ray& ray, const Hit& hit) const {
+    const Instance& instance = workload_.tlas[ray.tlas].instances.at(hit.instance);
+    const Blas& blas = workload_.blas.at(instance.blas);
+    return is_opaque(blas.geometries.at(hit.geometry).opaque, instance.flags, ray.flags);
+  }
+  bool judged(std::size_t index, const Hit& hit) const {
+    const auto all = candidates_of(workload_, index);
+    return std::any_of(all.begin(), all.end(), [&](const Candidate& c) {
+      return c.primitive == hit.primitive && c.geometry == hit.geometry &&
+             c.instance == hit.instance;
+    });
   }
   static bool same_hit(const Hit& a, const Hit& b) {
     return a.primitive == b.primitive && a.geometry == b.geometry && a.instance == b.instance &&

@@ -188,6 +188,40 @@ TEST_F(Verdicts, HitsThatTheDriverCannotFindAreCounted) {
   FAIL() << "no miss";
 }
 
+TEST_F(Verdicts, PassesDoNotAlternateOverUnjudgedCandidates) {
+  // Everything is masked; the unit's hit was ignored by the shader, its next guess is a miss.
+  w_.blas[0].geometries[0].opaque = false;
+  std::size_t ray = 0;
+  while (w_.driver_hits[ray].state != HitState::kHit) {
+    ++ray;
+  }
+  Workload forced = w_;
+  forced.rays[ray].flags |= kRayOverridden;
+  forced.driver_hits[ray] = Hit{};
+  // Pass 1 knows the verdict and forces a miss.
+  std::vector<Hit> misses = w_.driver_hits;
+  misses[ray] = Hit{};
+  VerdictSummary first;
+  const VerdictTable table(w_, decide_verdicts(w_, misses, {}, first));
+  EXPECT_EQ(first.entries, 1u);
+  // Pass 2 records no candidates, so the unit takes its hit for accepted.
+  VerdictSummary second;
+  decide_verdicts(forced, w_.driver_hits, table, second);
+  EXPECT_EQ(second.changed, 0u);
+  EXPECT_EQ(second.entries, 1u);
+  // But if the program traces another ray there, the entry is not its.
+  forced.rays[ray].tmax *= 2;
+  VerdictSummary other;
+  decide_verdicts(forced, w_.driver_hits, table, other);
+  EXPECT_EQ(other.changed, 1u);
+  // And an opaque hit needs no shader.
+  forced.rays[ray].tmax = w_.rays[ray].tmax;
+  forced.blas[0].geometries[0].opaque = true;
+  VerdictSummary opaque;
+  decide_verdicts(forced, w_.driver_hits, table, opaque);
+  EXPECT_EQ(opaque.changed, 1u);
+}
+
 TEST_F(Verdicts, FilesRoundTripAndAreCanonical) {
   const testing::ScratchFolder folder;
   std::vector<VerdictEntry> entries(w_.rays.size(), VerdictEntry{0, 0, 0, 0});
