@@ -3,7 +3,8 @@
 // Only the address of the RecordHeader is baked into the shader. The cursor is claimed with one
 // atomic addition; a record that does not fit goes to the spare units after the buffer and is
 // counted as lost. The first such record leaves the units between its place and the buffer's end
-// as they were, so a reader needs them zeroed beforehand: kind 0 ends the records. All of it is straight-line code: OpSelect instead of branches.
+// as they were, so a reader needs them zeroed beforehand: kind 0 ends the records. All of it is
+// straight-line code: OpSelect instead of branches.
 #pragma once
 
 #include "a2rt/capture/records.h"
