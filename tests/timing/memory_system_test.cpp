@@ -34,7 +34,7 @@ struct Memory : ::testing::Test {
   void build() {
     uut = std::make_unique<MemorySystem>(config, calendar);
     sink = std::make_unique<Sink>(calendar);
-    uut->connect(0, *sink);
+    uut->connect(0, *sink, calendar);
   }
   void read(std::uint64_t address) {
     uut->request(calendar.now(), 0, Address{address}, Traffic::kNode, false);

@@ -12,12 +12,6 @@ constexpr auto kLater = [](const auto& a, const auto& b) {
 
 }  // namespace
 
-Calendar::Calendar() {
-  for (auto& bucket : buckets_) {
-    bucket.reserve(64);
-  }
-}
-
 void Calendar::push_far(Cycles when, Appointment appointment) {
   far_.push_back({when, far_order_++, appointment});
   std::push_heap(far_.begin(), far_.end(), kLater);
@@ -29,7 +23,7 @@ void Calendar::pull_far() {
     const Far far = far_.back();
     far_.pop_back();
     const std::size_t bucket = far.when.value % kWheel;
-    buckets_[bucket].push_back(far.appointment);
+    place(bucket, far.appointment);
     occupied_[bucket / 64] |= std::uint64_t{1} << (bucket % 64);
   }
 }
@@ -53,15 +47,19 @@ std::uint64_t Calendar::distance_to_next_bucket() const {
   return kWheel;
 }
 
-bool Calendar::step() {
-  if (pending_ == 0) {
-    return false;
-  }
+Cycles Calendar::next() const {
   std::uint64_t distance = distance_to_next_bucket();
   if (!far_.empty()) {
     distance = std::min(distance, far_.front().when.value - now_.value);
   }
-  now_ += Cycles{distance};
+  return now_ + Cycles{distance};
+}
+
+bool Calendar::step() {
+  if (pending_ == 0) {
+    return false;
+  }
+  now_ = next();
   pull_far();
   const std::size_t index = now_.value % kWheel;
   auto& bucket = buckets_[index];
@@ -73,6 +71,8 @@ bool Calendar::step() {
   served_ += bucket.size();
   pending_ -= bucket.size();
   bucket.clear();
+  spare_.push_back(std::move(bucket));
+  bucket = {};
   occupied_[index / 64] &= ~(std::uint64_t{1} << (index % 64));
   return true;
 }

@@ -9,6 +9,7 @@ MemorySystem::MemorySystem(const MachineConfig& config, Calendar& calendar)
       calendar_(calendar),
       l2_clock_(config.l2.mhz, config.core_mhz),
       sinks_(config.sm.count),
+      sm_calendars_(config.sm.count),
       sm_out_free_(config.sm.count),
       sm_in_free_(config.sm.count) {
   const std::uint32_t slices = config.l2.channels * config.l2.slices_per_channel;
@@ -63,6 +64,10 @@ void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address sector, Traf
 }
 
 void MemorySystem::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
+  if (what == kAtSm) {
+    deliver(now, value);
+    return;
+  }
   calendar_.progress();
   Request& r = requests_[value];
   switch (what) {
@@ -99,28 +104,30 @@ void MemorySystem::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
           now, channel_local(r.slice, r.local), true, value);
       release(value);
       break;
-    case kAtSm: {
-      Cycles& port = sm_in_free_[r.sm];
-      if (r.refill || now >= port) {
-        // Either the port is free or this is the cycle it had been kept free for.
-        if (!r.refill) {
-          port = now + Cycles{1};
-        }
-        const std::uint32_t sm = r.sm;
-        const Address sector = r.sector;
-        release(value);
-        ++crossbar_sectors_;
-        sinks_[sm]->fill(now, sector);
-      } else {
-        r.refill = true;
-        calendar_.at(port, *this, kAtSm, value);
-        port += Cycles{1};
-      }
-      break;
-    }
     default:
       A2RT_CHECK(false, "unknown appointment of the memory system");
   }
+}
+
+void MemorySystem::deliver(Cycles now, std::uint32_t index) {
+  Request& r = requests_[index];
+  Cycles& port = sm_in_free_[r.sm];
+  Calendar& calendar = *sm_calendars_[r.sm];
+  calendar.progress();
+  if (!r.refill && now < port) {
+    r.refill = true;  // comes again in the cycle kept free for it
+    calendar.at(port, *this, kAtSm, index);
+    port += Cycles{1};
+    return;
+  }
+  if (!r.refill) {
+    port = now + Cycles{1};
+  }
+  const std::uint32_t sm = r.sm;
+  const Address sector = r.sector;
+  release(index);
+  ++crossbar_sectors_;
+  sinks_[sm]->fill(now, sector);
 }
 
 void MemorySystem::lookup(Cycles now, std::uint32_t index) {
@@ -177,7 +184,7 @@ void MemorySystem::respond(Cycles ready, std::uint32_t index) {
   Slice& slice = slices_[requests_[index].slice];
   const Cycles sent = std::max(ready, slice.out_free);
   slice.out_free = sent + Cycles{1};
-  calendar_.at(sent + config_.l2.crossbar_latency, *this, kAtSm, index);
+  sm_calendars_[requests_[index].sm]->at(sent + config_.l2.crossbar_latency, *this, kAtSm, index);
 }
 
 void MemorySystem::insert(Cycles now, Slice& slice, std::uint32_t slice_index, std::uint64_t local,

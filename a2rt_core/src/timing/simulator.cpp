@@ -14,11 +14,12 @@ class Machine final : public SmHost {
       : workload_(workload),
         config_(config),
         addresses_(workload, config),
-        memory_(config, calendar_) {
+        memory_(config, memory_calendar_) {
     for (std::uint32_t i = 0; i < config.sm.count; ++i) {
+      calendars_.push_back(std::make_unique<Calendar>());
       sms_.push_back(
-          std::make_unique<Sm>(config, i, calendar_, memory_, source, addresses_, *this));
-      memory_.connect(i, sms_.back()->l1());
+          std::make_unique<Sm>(config, i, *calendars_.back(), memory_, source, addresses_, *this));
+      memory_.connect(i, sms_.back()->l1(), *calendars_.back());
     }
   }
 
@@ -28,6 +29,8 @@ class Machine final : public SmHost {
 
  private:
   void run_dispatch(std::size_t dispatch);
+  bool next_cycle(Cycles& next) const;
+  Cycles last_progress() const;
   void check_progress() const;
   std::string dump() const;
   void collect();
@@ -38,7 +41,12 @@ class Machine final : public SmHost {
 
   const Workload& workload_;
   MachineConfig config_;
-  Calendar calendar_;
+  // One calendar per SM and one for the memory below: what goes from one to another takes at least
+  // the crossbar's latency, so each can run that far alone while its state is in the host's caches.
+  std::vector<std::unique_ptr<Calendar>> calendars_;
+  Calendar memory_calendar_;
+  Cycles now_;  // start of the stretch that runs
+  Cycles end_;  // last cycle in which anything happened
   ShaderAddresses addresses_;
   MemorySystem memory_;
   std::vector<std::unique_ptr<Sm>> sms_;
@@ -60,7 +68,7 @@ bool Machine::next_warp(NewWarp& warp) {
   warp.program = WarpProgram(workload_, *program_, place.first_launch, place.count);
   warp.number = number;
   warp.width = workload_.dispatches[place.dispatch].width;
-  result_.last_launch = calendar_.now();
+  result_.last_launch = std::max(result_.last_launch, now_);
   result_.resident_then = ++launched_ - retired_;
   return true;
 }
@@ -77,11 +85,34 @@ void Machine::ray_time(std::uint32_t ray, Cycles cycles) {
       static_cast<std::uint32_t>(cycles.value);
 }
 
+Cycles Machine::last_progress() const {
+  Cycles last = memory_calendar_.last_progress();
+  for (const auto& calendar : calendars_) {
+    last = std::max(last, calendar->last_progress());
+  }
+  return last;
+}
+
+// First cycle in which anything happens; false if nothing will.
+bool Machine::next_cycle(Cycles& next) const {
+  bool any = false;
+  const auto look = [&](const Calendar& calendar) {
+    if (!calendar.empty()) {
+      next = any ? std::min(next, calendar.next()) : calendar.next();
+      any = true;
+    }
+  };
+  look(memory_calendar_);
+  for (const auto& calendar : calendars_) {
+    look(*calendar);
+  }
+  return any;
+}
+
 std::string Machine::dump() const {
-  std::string text = "cycle " + std::to_string(calendar_.now().value) +
-                     ", last progress in cycle " + std::to_string(calendar_.last_progress().value) +
-                     ", " + std::to_string(calendar_.pending()) + " appointments, " +
-                     std::to_string(retired_) + "/" + std::to_string(total_) + " warps done\n";
+  std::string text = "cycle " + std::to_string(now_.value) + ", last progress in cycle " +
+                     std::to_string(last_progress().value) + ", " + std::to_string(retired_) + "/" +
+                     std::to_string(total_) + " warps done\n";
   for (const auto& sm : sms_) {
     text += sm->dump();
   }
@@ -89,13 +120,15 @@ std::string Machine::dump() const {
 }
 
 void Machine::check_progress() const {
-  const std::uint64_t idle = calendar_.now().value - calendar_.last_progress().value;
+  const Cycles last = last_progress();
+  const std::uint64_t idle = now_ > last ? now_.value - last.value : 0;
   A2RT_CHECK(idle <= config_.watchdog_cycles, "no progress for " + std::to_string(idle) +
                                                   " cycles; state of the machine:\n" + dump());
 }
 
 void Machine::run_dispatch(std::size_t dispatch) {
-  const Cycles start = calendar_.now();
+  const Cycles start = end_;
+  now_ = start;
   const std::uint64_t rays_before = result_.ray_cycles.count();
   bool launched = true;
   while (launched) {
@@ -104,15 +137,22 @@ void Machine::run_dispatch(std::size_t dispatch) {
       launched |= sm->launch(start);
     }
   }
-  while (calendar_.step()) {
+  while (next_cycle(now_)) {
     check_progress();
+    const Cycles end = now_ + std::max(config_.l2.crossbar_latency, Cycles{1});
+    for (const auto& calendar : calendars_) {
+      calendar->run_before(end);
+      end_ = std::max(end_, calendar->now());
+    }
+    memory_calendar_.run_before(end);
+    end_ = std::max(end_, memory_calendar_.now());
   }
   A2RT_CHECK(queue_next_ == queue_.size() &&
                  std::all_of(sms_.begin(), sms_.end(), [](const auto& sm) { return sm->idle(); }),
              "nothing is left to happen, yet warps are not done; state of the machine:\n" + dump());
   (void)dispatch;
   result_.dispatches.push_back(
-      {calendar_.now() - start, result_.ray_cycles.count() - rays_before, queue_.size()});
+      {end_ - start, result_.ray_cycles.count() - rays_before, queue_.size()});
 }
 
 SimulationResult Machine::run(const std::vector<WarpPlace>& places,
@@ -253,7 +293,7 @@ void Machine::collect_sm(Sm& sm) {
 }
 
 void Machine::collect() {
-  result_.cycles = calendar_.now();
+  result_.cycles = end_;
   for (const auto& sm : sms_) {
     // Issue and port bookings may reach one cycle beyond the last appointment.
     result_.cycles = std::max(result_.cycles, sm->booked_until());
@@ -273,7 +313,10 @@ void Machine::collect() {
   result_.crossbar_sectors = memory_.crossbar_sectors();
   result_.milliseconds =
       static_cast<double>(result_.cycles.value) / (static_cast<double>(config_.core_mhz) * 1e3);
-  result_.appointments = calendar_.served();
+  result_.appointments = memory_calendar_.served();
+  for (const auto& calendar : calendars_) {
+    result_.appointments += calendar->served();
+  }
   A2RT_CHECK(total(result_.l1.misses) == total(result_.l2.reads), "L1 misses differ from L2 reads");
   A2RT_CHECK(result_.rt.rays == result_.ray_cycles.count(), "a ray was lost in an RT unit");
   A2RT_CHECK(retired_ == total_, "a warp was lost");

@@ -27,8 +27,6 @@ class Component {
 // Appointments of one cycle are kept in the order they were made, which makes runs repeatable.
 class Calendar {
  public:
-  Calendar();
-
   Cycles now() const { return now_; }
   bool empty() const { return pending_ == 0; }
   std::uint64_t pending() const { return pending_; }
@@ -40,7 +38,7 @@ class Calendar {
     ++pending_;
     if (when.value - now_.value < kWheel) [[likely]] {
       const std::size_t bucket = when.value % kWheel;
-      buckets_[bucket].push_back({&who, what, value});
+      place(bucket, {&who, what, value});
       occupied_[bucket / 64] |= std::uint64_t{1} << (bucket % 64);
     } else {
       push_far(when, {&who, what, value});
@@ -50,6 +48,14 @@ class Calendar {
   // Moves to the next cycle that has appointments and keeps them all. Returns false if there are
   // none left.
   bool step();
+  // Keeps all appointments before `end`.
+  void run_before(Cycles end) {
+    while (pending_ > 0 && next() < end) {
+      step();
+    }
+  }
+  // Cycle of the next appointment; there must be one.
+  Cycles next() const;
 
   // Work was done; the watchdog counts from here.
   void progress() { last_progress_ = now_; }
@@ -66,11 +72,21 @@ class Calendar {
     std::uint64_t order;
     Appointment appointment;
   };
+  // Storage of kept buckets is used again for the next ones, so that it stays in the host's caches.
+  void place(std::size_t index, Appointment appointment) {
+    std::vector<Appointment>& bucket = buckets_[index];
+    if (bucket.capacity() == 0 && !spare_.empty()) {
+      bucket.swap(spare_.back());
+      spare_.pop_back();
+    }
+    bucket.push_back(appointment);
+  }
   void push_far(Cycles when, Appointment appointment);
   void pull_far();
   std::uint64_t distance_to_next_bucket() const;
 
   std::array<std::vector<Appointment>, kWheel> buckets_;
+  std::vector<std::vector<Appointment>> spare_;
   std::array<std::uint64_t, kWheel / 64> occupied_{};
   std::vector<Far> far_;  // heap, earliest first
   std::uint64_t far_order_ = 0;

@@ -23,7 +23,12 @@ namespace a2rt::timing {
 class MemorySystem final : public Component, public LowerLevel, public DramChannel::Client {
  public:
   MemorySystem(const MachineConfig& config, Calendar& calendar);
-  void connect(std::uint32_t sm, SectorSink& sink) { sinks_.at(sm) = &sink; }
+  // `calendar` is the SM's; it may lag or lead this system's by less than the crossbar's latency,
+  // because nothing crosses faster.
+  void connect(std::uint32_t sm, SectorSink& sink, Calendar& calendar) {
+    sinks_.at(sm) = &sink;
+    sm_calendars_.at(sm) = &calendar;
+  }
 
   void request(Cycles leaves, std::uint32_t sm, Address sector, Traffic kind, bool write) override;
 
@@ -62,6 +67,7 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   void lookup(Cycles now, std::uint32_t index);
   void miss(Cycles now, std::uint32_t index);
   void wake_blocked(Cycles now, Slice& slice);
+  void deliver(Cycles now, std::uint32_t index);
   void respond(Cycles ready, std::uint32_t index);
   void insert(Cycles now, Slice& slice, std::uint32_t slice_index, std::uint64_t local,
               Traffic kind, bool dirty);
@@ -77,6 +83,7 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   std::vector<Slice> slices_;
   std::vector<std::unique_ptr<DramChannel>> channels_;
   std::vector<SectorSink*> sinks_;
+  std::vector<Calendar*> sm_calendars_;
   std::vector<Cycles> sm_out_free_, sm_in_free_;
   std::vector<Request> requests_;
   // Who waits for a sector that is on its way, chained behind the request that fetches it.
