@@ -27,7 +27,7 @@ class Picture : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-const std::string kSmall = " --size 24x16 --spp 2";
+const std::string kSmall = " --size 16x10 --spp 1";
 
 TEST_F(Picture, DependsOnTheSeedAndNotOnTheNumberOfThreads) {
   const std::string one = draw("cornell" + kSmall, "LP_NUM_THREADS=0");
