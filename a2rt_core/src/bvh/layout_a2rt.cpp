@@ -73,20 +73,22 @@ A2rtLayout encode_a2rt(const WideBvh& bvh, const Classification& classes,
   std::uint64_t total = 0;
   layout.offset = place(bvh, classes, sub_bytes, alignment, total, what);
   layout.qbox.resize(bvh.records.size());
-  std::vector<arith::GroupFrame> frames(bvh.records.size());
+  std::vector<arith::GroupFrame> frames;                 // of the groups, in the order written
+  std::vector<std::uint32_t> frame(bvh.records.size());  // index into `frames`, groups only
   ByteWriter out(layout.bytes, total);
   const auto write = [&](std::uint32_t i) {
     const BvhRecord& r = bvh.records[i];
     out.pad_to(layout.offset[i]);
     out.u8((classes.is_group[i] != 0 ? kGroupBit : 0U) | (r.leaf() ? kLeafField : 0U));
     if (classes.is_group[i] != 0) {
-      frames[i] = arith::make_group_frame(r.box, precision, what);
+      frame[i] = static_cast<std::uint32_t>(frames.size());
+      frames.push_back(arith::make_group_frame(r.box, precision, what));
       out.box(r.box);
-      out.vec3(frames[i].scale);
+      out.vec3(frames.back().scale);
     } else {
       const std::uint32_t group = classes.group[i];
       layout.qbox[i] =
-          arith::quantize_box(r.box, bvh.records[group].box, frames[group], precision, what);
+          arith::quantize_box(r.box, bvh.records[group].box, frames[frame[group]], precision, what);
       write_planes(out, layout.qbox[i], precision.box_bits);
     }
     write_range(out, r, layout.offset, classes, sub_bytes);

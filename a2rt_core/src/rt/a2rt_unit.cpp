@@ -84,14 +84,20 @@ A2rtTree A2rtUnit::encode(bvh::WideBvh& tree, const std::string& name, bvh::Addr
   return result;
 }
 
-std::uint32_t A2rtUnit::test_escaped(const Tree& tree, const A2rtNode& node, const Space& space,
-                                     const Context& context, float closest, Key* keys) const {
+std::uint32_t A2rtUnit::test_escaped(const Tree& tree, const A2rtNode& node, std::uint32_t subs,
+                                     const Space& space, const Context& context, float closest,
+                                     Key* keys) const {
   arith::BoxBlock boxes;
   const arith::GroupFrame& frame = tree.frame(context.frame).frame;
   for (std::uint32_t s = node.group_count; s < node.count; ++s) {
     boxes.put(s, arith::dequantize_box(tester_.get(node.planes(), s), frame, precision()));
   }
-  return arith::slab_test_block(space.slab, boxes, closest, keys);
+  float entry[bvh::kMaxWidth];
+  const std::uint32_t hit = subs & arith::slab_test_block(space.slab, boxes, closest, entry);
+  for (std::uint32_t s = node.group_count; s < node.count; ++s) {
+    keys[s] = entry[s];
+  }
+  return hit;
 }
 
 std::uint32_t A2rtUnit::test_groups_plain(const arith::BoxBlock& boxes, const Space& space,

@@ -11,6 +11,7 @@
 #include "a2rt/arith/group_frame.h"
 #include "a2rt/arith/qbox.h"
 #include "a2rt/arith/slab.h"
+#include "a2rt/base/huge_vector.h"
 #include "a2rt/base/units.h"
 #include "a2rt/bvh/child_ref.h"
 #include "a2rt/bvh/layout_a2rt.h"
@@ -79,8 +80,8 @@ class A2rtTree {
   struct alignas(64) Line {
     std::byte bytes[64];
   };
-  std::vector<Line> lines_;  // per node: the node, then its planes
-  std::size_t stride_ = 2;   // lines per node
+  HugeVector<Line> lines_;  // per node: the node, then its planes
+  std::size_t stride_ = 2;  // lines per node
   std::vector<A2rtFrame> frames_;
   std::vector<arith::BoxBlock> group_boxes_;
   std::vector<bvh::BvhRecord> records_;

@@ -1,8 +1,10 @@
 // The A2RT unit (see traversal.h for the parts of a Unit).
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include "a2rt/arith/qbox.h"
@@ -28,6 +30,8 @@ class A2rtUnit {
     arith::GroupRay ray;
     std::uint32_t frame = 0;
     bool escaped = false;
+    float limit = 0,
+          left = 0;  // `left` is what remains of the ray while the closest hit is `limit`
   };
   struct ContextRecord {
     Address address;
@@ -91,21 +95,15 @@ class A2rtUnit {
     const std::uint32_t all = (1U << node.count) - 1;
     const std::uint32_t groups = (1U << node.group_count) - 1;
     std::uint32_t hit = 0;
-    if (groups != all) {
-      hit = context.escaped ? test_escaped(tree, node, space, context, closest, keys)
-                            : test_quantized(node, context, closest, keys);
-      hit &= all & ~groups;
-    }
     if (groups != 0) {
-      float entry[bvh::kMaxWidth];
-      const std::uint32_t met =
-          groups &
-          (literal_ ? test_groups_plain(tree.group_boxes(node), space, closest, entry)
-                    : arith::slab_test_block(space.slab, tree.group_boxes(node), closest, entry));
-      for (std::uint32_t s = 0; s < node.group_count; ++s) {
-        keys[s] = entry[s];
-      }
-      hit |= met;
+      hit = groups &
+            (literal_ ? test_groups_plain(tree.group_boxes(node), space, closest, keys)
+                      : arith::slab_test_block(space.slab, tree.group_boxes(node), closest, keys));
+    }
+    if (groups != all) {
+      hit |= context.escaped
+                 ? test_escaped(tree, node, all & ~groups, space, context, closest, keys)
+                 : test_quantized(node, all & ~groups, context, closest, keys);
     }
     if constexpr (Sink::kAudits) {
       sink.decide(tree.exact_children(index), all & ~groups, hit, closest,
@@ -132,6 +130,7 @@ class A2rtUnit {
     context.escaped = quantizer_.enter(space.quantizer, tree.frame(frame).frame, t_entry,
                                        context.ray) == arith::GroupEntry::kEscaped;
     context.ray.t_shift = t_entry;
+    context.limit = std::numeric_limits<float>::quiet_NaN();  // equals no closest hit
   }
 
   template <class Sink>
@@ -161,17 +160,22 @@ class A2rtUnit {
     }
   }
 
-  std::uint32_t test_quantized(const A2rtNode& node, const Context& context, float closest,
-                               Key* keys) const {
+  // Sub nodes in the quantized tester; `subs` masks them. Keys of hit slots only.
+  std::uint32_t test_quantized(const A2rtNode& node, std::uint32_t subs, Context& context,
+                               float closest, Key* keys) const {
     const float shift = context.ray.t_shift;
     // Only without re-test on pop: the frame itself lies beyond the closest hit.
     if (shift > closest) {
       return 0;
     }
+    if (context.limit != closest) {
+      context.limit = closest;
+      context.left = quantizer_.remaining(closest, shift);
+    }
     float near[bvh::kMaxWidth];
-    const std::uint32_t hit =
-        tester_.test(context.ray, node.planes(), quantizer_.remaining(closest, shift), near);
-    for (std::size_t s = 0; s < bvh::kMaxWidth; ++s) {
+    const std::uint32_t hit = subs & tester_.test(context.ray, node.planes(), context.left, near);
+    for (std::uint32_t rest = hit; rest != 0; rest &= rest - 1) {
+      const auto s = static_cast<std::size_t>(std::countr_zero(rest));
       // Lower bound of shift + near in real numbers: the sum errs by half a unit in the last place.
       const float sum = shift + near[s];
       keys[s] = sum - std::fabs(sum) * 0x1p-23F;
@@ -188,8 +192,9 @@ class A2rtUnit {
                                   float* entry) const;
 
   // The accurate units on boxes rebuilt in FP32: what an escaped pair costs and gets.
-  std::uint32_t test_escaped(const Tree& tree, const A2rtNode& node, const Space& space,
-                             const Context& context, float closest, Key* keys) const;
+  std::uint32_t test_escaped(const Tree& tree, const A2rtNode& node, std::uint32_t subs,
+                             const Space& space, const Context& context, float closest,
+                             Key* keys) const;
   std::string miss_mechanism() const;
 
   UnitInfo info_;

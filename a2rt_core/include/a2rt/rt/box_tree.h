@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "a2rt/arith/slab.h"
+#include "a2rt/base/huge_vector.h"
 #include "a2rt/bvh/address_space.h"
 #include "a2rt/bvh/child_ref.h"
 #include "a2rt/bvh/wide_bvh.h"
@@ -59,7 +60,7 @@ class BoxTree {
   }
 
  private:
-  std::vector<BoxNode> nodes_;  // inner records in record order
+  HugeVector<BoxNode> nodes_;  // inner records in record order
   std::vector<bvh::BvhRecord> records_;
   std::vector<std::byte> bytes_;
   Address base_;

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "a2rt/base/huge_vector.h"
 #include "a2rt/base/units.h"
 #include "a2rt/bvh/address_space.h"
 #include "a2rt/bvh/wide_bvh.h"
@@ -25,10 +26,10 @@ struct PrimitiveId {
 };
 
 struct Primitives {
-  std::vector<Triangle> triangles;  // leaf order; empty for procedural geometry
-  std::vector<Box> aabbs;           // leaf order
-  std::vector<PrimitiveId> ids;     // leaf order
-  Address data, id_data;            // of slot 0
+  HugeVector<Triangle> triangles;  // leaf order; empty for procedural geometry
+  std::vector<Box> aabbs;          // leaf order
+  HugeVector<PrimitiveId> ids;     // leaf order
+  Address data, id_data;           // of slot 0
   bool procedural = false;
 };
 
