@@ -17,7 +17,7 @@ from a2rt_cli.report import charts
 TITLE = "accuracy of box tests over the ray's direction"
 NAME = "fig6"
 BINS = 24
-PAIRS = 200_000
+PAIRS = 1_000_000
 
 
 def _rate(counts: Any, among: Any):
