@@ -2,9 +2,9 @@
 
 namespace a2rt {
 
-void fail_check(const char* condition, const std::string& message, std::source_location where) {
-  throw InternalError(std::string(where.file_name()) + ":" + std::to_string(where.line()) + ": " +
-                      message + " (violated: " + condition + ")");
+void fail_check(const char* condition, const std::string& message, const char* file, int line) {
+  throw InternalError(std::string(file) + ":" + std::to_string(line) + ": " + message +
+                      " (violated: " + condition + ")");
 }
 
 }  // namespace a2rt

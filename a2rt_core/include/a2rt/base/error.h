@@ -1,7 +1,6 @@
 // Errors that name the place, the reason and the remedy.
 #pragma once
 
-#include <source_location>
 #include <stdexcept>
 #include <string>
 
@@ -20,15 +19,16 @@ class InternalError : public std::logic_error {
   using std::logic_error::logic_error;
 };
 
-[[noreturn]] void fail_check(const char* condition, const std::string& message,
-                             std::source_location where = std::source_location::current());
+// What A2RT_CHECK calls; file and line are macros because clang before 16 has no source_location.
+[[noreturn]] void fail_check(const char* condition, const std::string& message, const char* file,
+                             int line);
 
 }  // namespace a2rt
 
 // Internal invariant; throws InternalError naming condition, message and place.
-#define A2RT_CHECK(condition, message)           \
-  do {                                           \
-    if (!(condition)) [[unlikely]] {             \
-      ::a2rt::fail_check(#condition, (message)); \
-    }                                            \
+#define A2RT_CHECK(condition, message)                               \
+  do {                                                               \
+    if (!(condition)) [[unlikely]] {                                 \
+      ::a2rt::fail_check(#condition, (message), __FILE__, __LINE__); \
+    }                                                                \
   } while (false)
