@@ -55,6 +55,9 @@ def print_comparison(found: Sequence[Result]) -> None:
             f"{formats.count(workload.get('triangles'))} triangles"
         )
         print(console.table(columns_of(group), rows_of(group)))
+        for one in group:
+            if one.get("time_missing"):
+                print(f"cycles of {results.label(one)} are missing: {one['time_missing']}")
     print(
         "\nlost hits: rays whose closest hit is not the one exact arithmetic gives; missed boxes,"
         "\nredundant: box decisions of the audited rays that say miss (hit) where the exact box is"

@@ -12,6 +12,7 @@ from typing import Any
 from a2rt_cli.engine import core, pictures, programs, verdict_loop
 from a2rt_cli.engine.capture import Captured
 from a2rt_cli.files import hash_file, hash_values, replacing, write_json
+from a2rt_cli.process import ProgramFailed
 
 SCHEMA_VERSION = 1
 # Rays compared with exact arithmetic per run unless asked otherwise; spread over the whole frame.
@@ -29,6 +30,8 @@ class RunSpec:
     picture: bool = True
     max_passes: int = verdict_loop.DEFAULT_PASSES
     extra: tuple[str, ...] = field(default=())
+    # True: a unit that the machine cannot time keeps its other results, and the report says so.
+    time_optional: bool = False
 
     def label(self) -> str:
         unit = Path(self.unit).stem if self.unit.endswith(".toml") else self.unit
@@ -45,6 +48,7 @@ def run_key(captured: Captured, spec: RunSpec) -> str:
         paths = _with_parents(core.config_file("gpus", spec.gpu))
         gpu = hash_values([hash_file(path) for path in paths])
     rest = [list(spec.overrides), spec.audit, spec.picture, spec.max_passes, list(spec.extra)]
+    rest.append(spec.time_optional)
     return hash_values(captured.key, unit, gpu, rest, programs.core_key())
 
 
@@ -109,17 +113,10 @@ def execute(captured: Captured, spec: RunSpec, target: Path, pictures_to: Path) 
             audit=spec.audit,
             verdicts=verdicts,
         )
-        timed = None
-        if spec.gpu is not None:
-            timed = core.simulate(
-                captured.file,
-                spec.unit,
-                spec.gpu,
-                scratch / "time.json",
-                overrides=spec.overrides,
-                extra=spec.extra,
-            )
+        timed, untimed = _simulate(captured, spec, scratch)
         result = merge(functional, timed)
+        if untimed:
+            result["time_missing"] = untimed
         if verdicts is not None:
             first = verdict_loop.of_trace(functional, verdicts)
             stem = f"{captured.name}.{target.stem}"
@@ -132,6 +129,28 @@ def execute(captured: Captured, spec: RunSpec, target: Path, pictures_to: Path) 
     result["label"] = spec.label()
     write_json(target, result)
     return result
+
+
+def _simulate(
+    captured: Captured, spec: RunSpec, scratch: Path
+) -> tuple[dict[str, Any] | None, str]:
+    """The timed result, or None and why there is none."""
+    if spec.gpu is None:
+        return None, ""
+    try:
+        timed = core.simulate(
+            captured.file,
+            spec.unit,
+            spec.gpu,
+            scratch / "time.json",
+            overrides=spec.overrides,
+            extra=spec.extra,
+        )
+    except ProgramFailed as error:
+        if not spec.time_optional:
+            raise
+        return None, " ".join([str(error), *error.tail])
+    return timed, ""
 
 
 def driver_picture(captured: Captured, folder: Path) -> Path:

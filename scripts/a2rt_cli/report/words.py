@@ -99,6 +99,12 @@ def missing_sentences(found: Sequence[Result]) -> list[str]:
     out = []
     if not any(results.get(one, "time.cycles") is not None for one in found):
         out.append("Cycles and energy were not simulated in this run (give --gpu to do so).")
+    out += [
+        f"Cycles of {results.label(one)} on {results.workload_name(one)} are missing: "
+        f"{one['time_missing']}."
+        for one in found
+        if one.get("time_missing")
+    ]
     unsettled = [
         f"{results.label(one)} on {results.workload_name(one)}"
         for one in found
