@@ -49,8 +49,9 @@ struct VerdictSummary {
 // One entry per ray. `hits` are the unit's answers; `previous` are the verdicts under which the
 // workload was captured (empty table: none). Where the recorded hit is the unit's, the previous
 // entry stands; it also stands where the unit differs only because it met a candidate that no
-// shader could judge under that entry (else passes would alternate). Otherwise a miss is forced, or an interval is chosen that begins just below the
-// unit's hit; if the driver's nodes are there, it is proved by the exact walk.
+// shader could judge under that entry (else passes would alternate). Otherwise a miss is forced, or
+// an interval is chosen that begins just below the unit's hit; if the driver's nodes are there, it
+// is proved by the exact walk.
 std::vector<capture::VerdictEntry> decide_verdicts(const Workload& workload,
                                                    std::span<const Hit> hits,
                                                    const VerdictTable& previous,
