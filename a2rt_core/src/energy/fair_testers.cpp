@@ -72,6 +72,8 @@ TesterArea apply_comparison(Comparison comparison, Design design, bool unit_dequ
       case Design::kAqb8: {
         count(Tester::kAnchor) = kAnchors;
         count(Tester::kUpdate) = kUpdates;
+        // For the FP32 boxes of procedural primitives only: common to all, like triangle testers.
+        count(Tester::kBox) = machine.sm.count;
         const double rest = area.reference_um2 - kAnchors * anchor - kUpdates * update;
         count(Tester::kQBox) = at_least_one_each(same_area ? fit(rest, qbox_aqb8) : kQBoxes);
         break;
@@ -85,8 +87,9 @@ TesterArea apply_comparison(Comparison comparison, Design design, bool unit_dequ
         break;
     }
   }
-  area.used_um2 = count(Tester::kBox) * box + count(Tester::kQuantizer) * quantizer +
-                  count(Tester::kAnchor) * anchor + count(Tester::kUpdate) * update +
+  area.used_um2 = (design == Design::kAqb8 ? 0 : count(Tester::kBox)) * box +
+                  count(Tester::kQuantizer) * quantizer + count(Tester::kAnchor) * anchor +
+                  count(Tester::kUpdate) * update +
                   (unit_dequantizes ? count(Tester::kDequantize) * dequantizer : 0) +
                   count(Tester::kQBox) * (design == Design::kAqb8 ? qbox_aqb8 : qbox_a2rt);
   return area;

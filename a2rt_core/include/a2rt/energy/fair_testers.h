@@ -3,7 +3,8 @@
 // The yardstick is the A2RT engine of the paper's Table II: 120 quantized box testers, 15 accurate
 // ones, 15 ray quantizers (24 triangle testers are common to all).
 // same count: a design gets as many box testers as A2RT has in all (FP32: 135 BOX), or one unit for
-//   one (AQB8: 120 QBOX, 15 anchor and 15 update units).
+//   one (AQB8: 120 QBOX, 15 anchor and 15 update units; besides, one BOX per RT unit for the boxes
+//   of procedural primitives, outside the comparison like the triangle testers).
 // same area: FP32 gets as many BOX, AQB8 as many QBOX beside its 15 anchor and 15 update units, as
 //   fit the area of those 120 + 15 + 15, by the table's areas.
 #pragma once
