@@ -95,3 +95,18 @@ def test_the_rule_for_includes_would_catch_a_violation(target):
     text = f'#include "a2rt/{target}/x.h"\n'
     room = "rt" if target == "timing" else "timing"
     assert [o for o in INCLUDE.findall(text) if o not in MAY_INCLUDE[room]] == [target]
+
+
+def test_the_layer_knows_every_environment_variable_of_the_project():
+    """The layer reports unknown A2RT_ variables, so it must know those that are not its own."""
+    reads = re.compile(r'(?:getenv\(|environ\.get\(|environ\[)\s*"(A2RT_[A-Z_]+)"')
+    sets = re.compile(r'"(A2RT_[A-Z_]+)":')
+    settings = (ROOT / "vulkan_sim_patch/layer/settings.cpp").read_text(encoding="utf-8")
+    found = set()
+    for folder in ("scripts", "a2rt_core", "shaders", "vulkan_sim_patch"):
+        for path in (ROOT / folder).rglob("*"):
+            if path.suffix in {".py", ".cpp", ".h"}:
+                text = path.read_text(encoding="utf-8")
+                found |= set(reads.findall(text)) | set(sets.findall(text))
+    assert {"A2RT_CAPTURE", "A2RT_NO_SETUP", "A2RT_CONFIGS"} <= found
+    assert {name for name in found if f'"{name}"' not in settings} == set()

@@ -135,7 +135,10 @@ constexpr std::array kSettings = {
 };
 
 // Variables of the project's other programs that share the prefix.
-constexpr std::array<std::string_view, 3> kForeign = {"A2RT_PROGRESS", "A2RT_HOME", "A2RT_CACHE"};
+// tests/repo checks that none is forgotten.
+constexpr std::array<std::string_view, 6> kForeign = {"A2RT_BUILD_DIR", "A2RT_CONFIGS",
+                                                      "A2RT_NO_SETUP",  "A2RT_PROGRESS",
+                                                      "A2RT_PYTHON",    "A2RT_SCENES"};
 
 std::string known_names() {
   std::string names;
