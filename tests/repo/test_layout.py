@@ -100,7 +100,7 @@ def test_the_rule_for_includes_would_catch_a_violation(target):
 def test_the_layer_knows_every_environment_variable_of_the_project():
     """The layer reports unknown A2RT_ variables, so it must know those that are not its own."""
     reads = re.compile(r'(?:getenv\(|environ\.get\(|environ\[)\s*"(A2RT_[A-Z_]+)"')
-    sets = re.compile(r'"(A2RT_[A-Z_]+)":')
+    sets = re.compile(r'"(A2RT_[A-Z_]+)"(?::|\]? *=)')
     settings = (ROOT / "vulkan_sim_patch/layer/settings.cpp").read_text(encoding="utf-8")
     found = set()
     for folder in ("scripts", "a2rt_core", "shaders", "vulkan_sim_patch"):
