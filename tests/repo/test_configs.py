@@ -52,6 +52,23 @@ def test_every_unit_configuration_belongs_to_a_registered_unit():
         assert path.stem in reply.stdout
 
 
+def test_the_default_of_every_knob_is_what_the_unit_uses():
+    """A price list counts its steps from the default: a stale one would price the wrong step."""
+    core = build.find_program("a2rt-core")
+    if core is None:
+        pytest.skip("a2rt-core is not built")
+    checked = 0
+    for path in EXPERIMENTS:
+        for knob in experiment.load(path).knobs:
+            reply = subprocess.run([core, "units", knob.unit], capture_output=True, text=True)
+            assert reply.returncode == 0, reply.stderr
+            used = dict(line.split()[:2] for line in reply.stdout.splitlines())
+            assert used[knob.key].strip('"') == str(knob.default), f"{path.name}: {knob.key}"
+            assert knob.default in knob.values
+            checked += 1
+    assert checked > 0
+
+
 def test_every_number_of_the_paper_has_a_known_measure_and_a_source():
     numbers = measures.paper_numbers()
     assert numbers
