@@ -146,14 +146,14 @@ int bench(const Options& options) {
 const RegisterCommand kCommand(
     "bench-units", "Rays per second of every unit and of Embree on the same rays",
     "  a2rt-core bench-units\n  a2rt-core bench-units w.h5 --units baseline,a2rt\n",
-    [](CLI::App& app) {
+    [](cli::Options& app) {
       auto options = std::make_shared<Options>();
-      app.add_option("workload", options->workload, "Workload file; none: a synthetic torus");
-      app.add_option("--units", options->units, "Units to run; all if not given")->delimiter(',');
-      app.add_option("--rays", options->rays, "Rays to sample")->check(CLI::PositiveNumber);
-      app.add_option("--repeats", options->repeats, "Passes; the best counts")
-          ->check(CLI::Range(1, 100));
-      app.add_option("-o,--output", options->output, "JSON file to write");
+      app.add("workload", options->workload, "Workload file; none: a synthetic torus");
+      app.add("--units", options->units, "Units to run; all if not given").delimiter(',');
+      app.add("--rays", options->rays, "Rays to sample").check(cli::positive());
+      app.add("--repeats", options->repeats, "Passes; the best counts")
+          .check(cli::in_range(1, 100));
+      app.add("-o,--output", options->output, "JSON file to write");
       return [options] { return bench(*options); };
     });
 

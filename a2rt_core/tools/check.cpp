@@ -78,11 +78,11 @@ int run(const Arguments& arguments) {
 
 const RegisterCommand kCheck(
     "check", "Repeat every ray on the driver's own nodes; exit 1 unless all are bit-equal",
-    "  a2rt-core check ship.h5\n", [](CLI::App& app) {
+    "  a2rt-core check ship.h5\n", [](cli::Options& app) {
       auto arguments = std::make_shared<Arguments>();
-      app.add_option("file", arguments->file, "workload file")->required();
-      app.add_option("--threads", arguments->check.threads, "0: one per processor");
-      app.add_option("--show", arguments->check.keep_differences, "differences to print");
+      app.add("file", arguments->file, "workload file").required();
+      app.add("--threads", arguments->check.threads, "0: one per processor");
+      app.add("--show", arguments->check.keep_differences, "differences to print");
       return [arguments] { return run(*arguments); };
     });
 

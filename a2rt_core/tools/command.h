@@ -1,14 +1,15 @@
 // Subcommands of a2rt-core: one .cpp per command, which registers itself.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
+
+#include "a2rt/cli/options.h"
 
 namespace a2rt::tools {
 
 // Adds a subcommand's options to `app` and returns what to run once they are parsed (exit status).
-using Setup = std::function<std::function<int()>(CLI::App& app)>;
+using Setup = std::function<std::function<int()>(cli::Options& app)>;
 
 struct RegisterCommand {
   // `sentence` is the one-line help; `examples` are shown below the options.

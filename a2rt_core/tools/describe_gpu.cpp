@@ -24,17 +24,16 @@ int describe(const Options& options) {
   return 0;
 }
 
-const RegisterCommand kCommand("describe-gpu", "Print a machine's parameters and what they mean",
-                               "  a2rt-core describe-gpu table1\n"
-                               "  a2rt-core describe-gpu mobile --set l1.capacity=65536\n",
-                               [](CLI::App& app) {
-                                 auto options = std::make_shared<Options>();
-                                 app.add_option("gpu", options->gpu, "A name, or a .toml file");
-                                 app.add_option("--set", options->set,
-                                                "Parameter, e.g. rt.stack_entries=16")
-                                     ->allow_extra_args(false);
-                                 return [options] { return describe(*options); };
-                               });
+const RegisterCommand kCommand(
+    "describe-gpu", "Print a machine's parameters and what they mean",
+    "  a2rt-core describe-gpu table1\n"
+    "  a2rt-core describe-gpu mobile --set l1.capacity=65536\n",
+    [](cli::Options& app) {
+      auto options = std::make_shared<Options>();
+      app.add("gpu", options->gpu, "A name, or a .toml file");
+      app.add("--set", options->set, "Parameter, e.g. rt.stack_entries=16").one_value_each();
+      return [options] { return describe(*options); };
+    });
 
 }  // namespace
 }  // namespace a2rt::tools

@@ -264,14 +264,13 @@ const RegisterCommand kCommand(
     "direction-map", "Wrong box decisions over the ray's direction, against exact arithmetic",
     "  a2rt-core direction-map -o map.json\n"
     "  a2rt-core direction-map --units a2rt,aqb8,aqb8-nearest --pairs 1000000 -o map.json\n",
-    [](CLI::App& app) {
+    [](cli::Options& app) {
       auto options = std::make_shared<Options>();
-      app.add_option("--units", options->units, "a2rt, a2rt-literal, aqb8, aqb8-nearest")
-          ->delimiter(',');
-      app.add_option("--bins", options->bins, "Bins of each angle")->check(CLI::Range(2, 512));
-      app.add_option("--pairs", options->pairs, "Ray-box pairs over the octant");
-      app.add_option("--seed", options->seed, "Seed of the pairs");
-      app.add_option("-o,--output", options->output, "JSON file to write")->required();
+      app.add("--units", options->units, "a2rt, a2rt-literal, aqb8, aqb8-nearest").delimiter(',');
+      app.add("--bins", options->bins, "Bins of each angle").check(cli::in_range(2, 512));
+      app.add("--pairs", options->pairs, "Ray-box pairs over the octant");
+      app.add("--seed", options->seed, "Seed of the pairs");
+      app.add("-o,--output", options->output, "JSON file to write").required();
       return [options] { return run(*options); };
     });
 

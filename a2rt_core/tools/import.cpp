@@ -64,18 +64,18 @@ int run(const Arguments& arguments) {
 
 const RegisterCommand kImport(
     "import", "Turn a raw capture of the Vulkan layer into a workload file",
-    "  a2rt-core import capture/ -o ship.h5 --scene ship --workload pt\n", [](CLI::App& app) {
+    "  a2rt-core import capture/ -o ship.h5 --scene ship --workload pt\n", [](cli::Options& app) {
       auto arguments = std::make_shared<Arguments>();
-      app.add_option("directory", arguments->directory, "capture directory")->required();
-      app.add_option("-o,--output", arguments->output, "workload file to write")->required();
-      app.add_option("--scene", arguments->import.scene, "name of the scene, for reports");
-      app.add_option("--workload", arguments->import.workload, "name of the workload, for reports");
-      app.add_flag("--tolerate-lost", arguments->import.tolerate_lost,
-                   "import although records are missing");
-      app.add_flag("--without-driver-nodes", arguments->without_nodes,
-                   "leave out the driver's trees (smaller file, no `check`)");
-      app.add_option("--deflate", arguments->write.deflate, "compression level of geometry")
-          ->check(CLI::Range(0, 9));
+      app.add("directory", arguments->directory, "capture directory").required();
+      app.add("-o,--output", arguments->output, "workload file to write").required();
+      app.add("--scene", arguments->import.scene, "name of the scene, for reports");
+      app.add("--workload", arguments->import.workload, "name of the workload, for reports");
+      app.flag("--tolerate-lost", arguments->import.tolerate_lost,
+               "import although records are missing");
+      app.flag("--without-driver-nodes", arguments->without_nodes,
+               "leave out the driver's trees (smaller file, no `check`)");
+      app.add("--deflate", arguments->write.deflate, "compression level of geometry")
+          .check(cli::in_range(0, 9));
       return [arguments] { return run(*arguments); };
     });
 

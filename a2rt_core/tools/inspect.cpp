@@ -220,14 +220,15 @@ int run(const Arguments& arguments) {
   return 0;
 }
 
-const RegisterCommand kInspect(
-    "inspect", "Show what a workload file holds and calls for",
-    "  a2rt-core inspect ship.h5\n  a2rt-core inspect ship.h5 --json\n", [](CLI::App& app) {
-      auto arguments = std::make_shared<Arguments>();
-      app.add_option("file", arguments->file, "workload file")->required();
-      app.add_flag("--json", arguments->json, "machine-readable, to standard output");
-      return [arguments] { return run(*arguments); };
-    });
+const RegisterCommand kInspect("inspect", "Show what a workload file holds and calls for",
+                               "  a2rt-core inspect ship.h5\n  a2rt-core inspect ship.h5 --json\n",
+                               [](cli::Options& app) {
+                                 auto arguments = std::make_shared<Arguments>();
+                                 app.add("file", arguments->file, "workload file").required();
+                                 app.flag("--json", arguments->json,
+                                          "machine-readable, to standard output");
+                                 return [arguments] { return run(*arguments); };
+                               });
 
 }  // namespace
 }  // namespace a2rt::tools

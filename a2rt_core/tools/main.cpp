@@ -21,16 +21,17 @@ std::map<std::string, Command>& commands() {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"A2RT simulator core", "a2rt-core"};
-  app.require_subcommand(1);
-  std::map<const CLI::App*, std::function<int()>> actions;
+  cli::Program program("A2RT simulator core", "a2rt-core");
+  std::map<std::string, std::function<int()>> actions;
   for (const auto& [name, command] : commands()) {
-    CLI::App* sub = app.add_subcommand(name, command.sentence);
-    sub->footer("Examples:\n" + command.examples);
-    actions[sub] = command.setup(*sub);
+    cli::Options options =
+        program.add_subcommand(name, command.sentence, "Examples:\n" + command.examples);
+    actions[name] = command.setup(options);
   }
-  CLI11_PARSE(app, argc, argv);
-  return actions.at(app.get_subcommands().front())();
+  if (const std::optional<int> status = program.parse(argc, argv, 2)) {
+    return *status;
+  }
+  return actions.at(program.subcommand())();
 }
 
 }  // namespace

@@ -49,21 +49,18 @@ const RegisterCommand kCommand(
     "multiplier-table", "Print the approximate multiplier's errors, exhausted over all operands",
     "  a2rt-core multiplier-table\n"
     "  a2rt-core multiplier-table --k 0 4 8 --magnitude-bits 8 --csv\n",
-    [](CLI::App& app) {
+    [](cli::Options& app) {
       const auto options = std::make_shared<TableOptions>();
-      app.add_option("--k", options->columns, "approximated columns, each 0 to 8")
-          ->check(CLI::Range(0, 8));
-      app.add_option("--magnitude-bits", options->magnitude_bits, "bits of the integer operand")
-          ->check(CLI::Range(4, 14))
-          ->capture_default_str();
-      app.add_option("--significand-bits", options->significand_bits,
-                     "bits of the significand, hidden bit included")
-          ->check(CLI::Range(5, 11))
-          ->capture_default_str();
-      app.add_option("--mode", options->mode, "what happens to the low columns")
-          ->check(CLI::IsMember({"compress", "drop"}))
-          ->capture_default_str();
-      app.add_flag("--csv", options->csv, "comma-separated values");
+      app.add("--k", options->columns, "approximated columns, each 0 to 8")
+          .check(cli::in_range(0, 8));
+      app.add("--magnitude-bits", options->magnitude_bits, "bits of the integer operand")
+          .check(cli::in_range(4, 14));
+      app.add("--significand-bits", options->significand_bits,
+              "bits of the significand, hidden bit included")
+          .check(cli::in_range(5, 11));
+      app.add("--mode", options->mode, "what happens to the low columns")
+          .check(cli::one_of({"compress", "drop"}));
+      app.flag("--csv", options->csv, "comma-separated values");
       return [options] { return print_table(*options); };
     });
 

@@ -216,29 +216,27 @@ const RegisterCommand kCommand(
     "  a2rt-core simulate w.h5 --unit baseline --compare-counts same-area --gpu mobile\n"
     "  a2rt-core simulate w.h5 --unit aqb8 --set rt.context=refetch --set artifact=true\n"
     "  a2rt-core simulate w.h5 --unit a2rt --sample 0.1 --heatmap cycles.npy\n",
-    [](CLI::App& app) {
+    [](cli::Options& app) {
       auto options = std::make_shared<Options>();
-      app.add_option("workload", options->workload, "Workload file")->required();
-      app.add_option("--unit", options->unit, "Unit: a name, or a .toml file of parameters");
-      app.add_option("--unit-config", options->unit_config,
-                     "Take the unit's parameters from this file");
-      app.add_option("--gpu", options->gpu, "Machine: a name, or a .toml file");
-      app.add_option("--set", options->set,
-                     "Parameter of the machine (sm., l1., l2., dram., rt.) or of the unit")
-          ->allow_extra_args(false);
-      app.add_option("--compare-counts", options->comparison,
-                     "Box testers: same-count, same-area (both against the A2RT engine), or config")
-          ->check(CLI::IsMember({"config", "same-count", "same-area"}));
-      app.add_option("--frames", options->frames, "Only these frames")->delimiter(',');
-      app.add_option("--sample", options->sample,
-                     "Simulate this share of the warps and extrapolate")
-          ->check(CLI::Range(0.0001, 1.0));
-      app.add_option("--seed", options->seed, "Of the sample");
-      app.add_flag("--sample-check", options->sample_check,
-                   "Also run all warps and report the sample's error");
-      app.add_option("--energy-table", options->energy_table, "CSV of energies");
-      app.add_option("--heatmap", options->heatmap, "NumPy file of cycles per launch id");
-      app.add_option("-o,--output", options->output, "Result as JSON");
+      app.add("workload", options->workload, "Workload file").required();
+      app.add("--unit", options->unit, "Unit: a name, or a .toml file of parameters");
+      app.add("--unit-config", options->unit_config, "Take the unit's parameters from this file");
+      app.add("--gpu", options->gpu, "Machine: a name, or a .toml file");
+      app.add("--set", options->set,
+              "Parameter of the machine (sm., l1., l2., dram., rt.) or of the unit")
+          .one_value_each();
+      app.add("--compare-counts", options->comparison,
+              "Box testers: same-count, same-area (both against the A2RT engine), or config")
+          .check(cli::one_of({"config", "same-count", "same-area"}));
+      app.add("--frames", options->frames, "Only these frames").delimiter(',');
+      app.add("--sample", options->sample, "Simulate this share of the warps and extrapolate")
+          .check(cli::in_range(0.0001, 1.0));
+      app.add("--seed", options->seed, "Of the sample");
+      app.flag("--sample-check", options->sample_check,
+               "Also run all warps and report the sample's error");
+      app.add("--energy-table", options->energy_table, "CSV of energies");
+      app.add("--heatmap", options->heatmap, "NumPy file of cycles per launch id");
+      app.add("-o,--output", options->output, "Result as JSON");
       return [options] { return simulate(*options); };
     });
 

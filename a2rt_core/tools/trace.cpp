@@ -113,21 +113,20 @@ const RegisterCommand kCommand(
     "  a2rt-core trace w.h5 --unit a2rt -o r.json\n"
     "  a2rt-core trace w.h5 --unit aqb8 --set artifact=true --audit 10000\n"
     "  a2rt-core trace w.h5 --unit a2rt --set precision.box_bits=6 --verdicts v.bin\n",
-    [](CLI::App& app) {
+    [](cli::Options& app) {
       auto options = std::make_shared<Options>();
-      app.add_option("workload", options->workload, "Workload file")->required();
-      app.add_option("--unit", options->unit, "Unit: a name, or a .toml file of parameters");
-      app.add_option("--config", options->config, "Take the unit's parameters from this file");
-      app.add_option("--set", options->set, "Parameter, e.g. classify.area_ratio=0.01")
-          ->allow_extra_args(false);
-      app.add_option("--audit", options->audit,
-                     "Compare the box decisions of this many rays with exact arithmetic");
-      app.add_option("--threads", options->threads, "Threads; 0: all (never changes a result)");
-      app.add_option("-o,--output", options->output, "Result as JSON");
-      app.add_option("--hits", options->hits, "Hits as raw 24-byte records, one per ray");
-      app.add_option("--verdicts", options->verdicts, "Verdict file for the Vulkan layer");
-      app.add_option("--previous", options->previous,
-                     "Verdict file of the pass before; counts what changed");
+      app.add("workload", options->workload, "Workload file").required();
+      app.add("--unit", options->unit, "Unit: a name, or a .toml file of parameters");
+      app.add("--config", options->config, "Take the unit's parameters from this file");
+      app.add("--set", options->set, "Parameter, e.g. classify.area_ratio=0.01").one_value_each();
+      app.add("--audit", options->audit,
+              "Compare the box decisions of this many rays with exact arithmetic");
+      app.add("--threads", options->threads, "Threads; 0: all (never changes a result)");
+      app.add("-o,--output", options->output, "Result as JSON");
+      app.add("--hits", options->hits, "Hits as raw 24-byte records, one per ray");
+      app.add("--verdicts", options->verdicts, "Verdict file for the Vulkan layer");
+      app.add("--previous", options->previous,
+              "Verdict file of the pass before; counts what changed");
       return [options] { return trace(*options); };
     });
 

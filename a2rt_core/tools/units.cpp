@@ -51,11 +51,10 @@ const RegisterCommand kCommand(
     "  a2rt-core units\n"
     "  a2rt-core units a2rt\n"
     "  a2rt-core units a2rt --set precision.box_bits=6\n",
-    [](CLI::App& app) {
+    [](cli::Options& app) {
       auto options = std::make_shared<Options>();
-      app.add_option("unit", options->unit, "A name, or a .toml file; none lists all");
-      app.add_option("--set", options->set, "Parameter, e.g. precision.box_bits=6")
-          ->allow_extra_args(false);
+      app.add("unit", options->unit, "A name, or a .toml file; none lists all");
+      app.add("--set", options->set, "Parameter, e.g. precision.box_bits=6").one_value_each();
       return [options] { return options->unit.empty() ? list_units() : describe_unit(*options); };
     });
 

@@ -24,12 +24,14 @@ SOURCE_SUFFIXES = {".cpp", ".h", ".py", ".glsl", ".sv", ".svh", ".cmake", ".toml
 # What each room of a2rt_core may include besides itself.
 MAY_INCLUDE = {
     "base": set(),
+    "cli": set(),
     "capture": set(),
     "config": {"base"},
     "arith": {"base", "config"},
     "workload": {"base", "config", "capture"},
     "bvh": {"base", "config", "arith", "workload"},
     "rt": {"base", "config", "arith", "workload", "bvh", "capture"},
+    "hard": {"base", "config", "arith", "workload", "bvh", "rt"},
     "timing": {"base", "config", "workload", "rt", "capture"},
     "energy": {"base", "config", "workload", "rt", "timing", "capture"},
 }
