@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from a2rt_cli import console, process, results
-from a2rt_cli.engine import capture, effects, runs, scenes
+from a2rt_cli.engine import capture, effects, lumibench, runs, scenes
 from a2rt_cli.engine.capture import Captured
 from a2rt_cli.engine.renderer import RenderOptions
 from a2rt_cli.engine.runs import RunSpec
+from a2rt_cli.errors import UserError
 from a2rt_cli.files import exclusive, write_json, write_text
 
 # Runs are single-threaded processes; two keep a small machine busy without starving it.
@@ -34,6 +35,22 @@ class Item:
     name: str = ""
 
 
+def items_of(texts: Sequence[str], options: RenderOptions) -> list[Item]:
+    """What a user may compare on: scenes, workload files, LumiBench's runs by name or pattern."""
+    out = []
+    for text in texts:
+        if not lumibench.is_run(text):
+            out.append(Item(text, options))
+            continue
+        if options.workload != "auto":
+            raise UserError(f"{text} names its workload", "leave --workload out")
+        for run in lumibench.find(text):
+            scene = scenes.find(run.scene.name)
+            name = f"{scene.name}_{run.workload}"
+            out.append(Item(run.scene.name, replace(options, workload=run.workload), name))
+    return out
+
+
 def _capture_all(items: Sequence[Item], cache: Path) -> list[Captured]:
     captured = []
     for item in items:
@@ -41,6 +58,8 @@ def _capture_all(items: Sequence[Item], cache: Path) -> list[Captured]:
             captured.append(capture.from_file(Path(item.text)))
             continue
         scene = scenes.find(item.text)
+        if scene.note:
+            console.note(f"  {item.name or scene.name}: {scene.note}")
         size = f"{item.options.width}x{item.options.height}"
         words = f"Drawing and capturing {item.name or scene.name} ({item.options.workload}, {size})"
         with console.step(words) as shown:
@@ -126,8 +145,10 @@ def _compare(
             runs.driver_picture(one, pictures)
     jobs = jobs_of(captured, specs, out / ".cache" / "runs")
     found = run_all(jobs, pictures, parallel)
-    for result in found:
+    for job, result in zip(jobs, found, strict=True):
         result["provenance"]["a2rt"] = command
+        if job.spec.heatmap and runs.heatmap_file(job.target).is_file():
+            result["heatmap"] = str(runs.heatmap_file(job.target).relative_to(out))
     write_json(out / "results.json", found)
     write_json(out / "effects.json", {one.name: effects.of_captured(one) for one in captured})
     write_text(out / "results.csv", to_csv(found))

@@ -6,8 +6,13 @@ import argparse
 import shlex
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from a2rt_cli.engine.renderer import RenderOptions, parse_size
+from a2rt_cli.errors import UserError
+
+if TYPE_CHECKING:
+    from a2rt_cli.engine.runs import RunSpec
 
 DEFAULT_SIZE = (128, 128)
 DEFAULT_UNITS = ("baseline", "aqb8", "a2rt")
@@ -72,6 +77,44 @@ def add_gpu(parser: argparse.ArgumentParser, default: str | None) -> None:
     )
 
 
+def add_timing(parser: argparse.ArgumentParser, both: bool) -> None:
+    """`both`: the command may run a unit twice, once for each comparison."""
+    group = parser.add_argument_group("how cycles are simulated")
+    choices = ("both", "same-count", "same-area") if both else ("same-count", "same-area")
+    group.add_argument(
+        "--counts",
+        choices=choices,
+        default=choices[0],
+        help=f"testers of a unit: as many as A2RT has, or as many as fit its area ({choices[0]})",
+    )
+    group.add_argument(
+        "--sample",
+        type=share,
+        metavar="SHARE",
+        help="simulate this share of the warps, for example 0.2, and extrapolate the cycles",
+    )
+    group.add_argument(
+        "--check-sample", action="store_true", help="also simulate all warps: the sample's error"
+    )
+
+
+def timed_specs(args: argparse.Namespace, specs: list[RunSpec]) -> list[RunSpec]:
+    """`specs` with the options of add_timing."""
+    from dataclasses import replace
+
+    from a2rt_cli.engine import runs
+
+    if args.check_sample and args.sample is None:
+        raise UserError("--check-sample checks a sample", "add --sample 0.2")
+    specs = [
+        replace(one, sample=args.sample, check_sample=args.check_sample, heatmap=True)
+        for one in specs
+    ]
+    if args.counts == "both":
+        return runs.with_same_area(specs)
+    return [replace(one, comparison=args.counts) for one in specs]
+
+
 def gpu_of(args: argparse.Namespace) -> str | None:
     return None if args.gpu in (None, "none") else args.gpu
 
@@ -102,6 +145,16 @@ def positive(text: str) -> int:
     if not text.isdigit() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text}: a whole number of at least 1")
     return int(text)
+
+
+def share(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value <= 1:
+        raise argparse.ArgumentTypeError(f"{text}: a share is above 0 and at most 1")
+    return value
 
 
 def names_list(text: str) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import shutil
 import signal
 import subprocess
 import threading
@@ -71,7 +72,7 @@ def run_logged(
         out.flush()
         try:
             child = subprocess.Popen(
-                list(command),
+                _ends_with_us(command),
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
@@ -107,6 +108,15 @@ def run_logged(
         # A program that names its error is quoted; of others the end is the best guess.
         shown = errors or [line for line in tail if line.strip()]
         raise ProgramFailed(f"{what} {describe_status(status)}", status, shown, remedy, log)
+
+
+def _ends_with_us(command: Sequence[str]) -> list[str]:
+    """The kernel ends the child if we are killed outright, so that it writes into no later run."""
+    setpriv = shutil.which("setpriv")
+    found = shutil.which(command[0])
+    if setpriv is None or found is None:
+        return list(command)
+    return [setpriv, "--pdeathsig", "KILL", "--", *command]
 
 
 def end_group(child: subprocess.Popen) -> None:

@@ -14,6 +14,9 @@ SCHEMA_VERSION = 1
 # Kinds of memory traffic that are box nodes of the tree, whatever the unit calls them.
 NODE_KINDS = ("node", "group_node", "sub_node", "anchor")
 BASELINE = "baseline"
+# The two fair comparisons: equal numbers of box testers, or as many as fit into A2RT's area.
+SAME_COUNT, SAME_AREA = "same-count", "same-area"
+AREA_MARK = " (same area)"
 
 
 def load(folder: Path) -> list[Result]:
@@ -70,6 +73,43 @@ def label(result: Result) -> str:
 def workload_name(result: Result) -> str:
     workload = result["workload"]
     return workload.get("name") or workload.get("scene") or workload.get("file") or "workload"
+
+
+def primary(found: Sequence[Result]) -> list[Result]:
+    """Without the second simulations of a unit (same area), which say nothing of accuracy."""
+    return [one for one in found if one.get("functional", True)]
+
+
+def is_timed(result: Result) -> bool:
+    return get(result, "time.cycles") is not None
+
+
+def has_area_of_a2rt(result: Result) -> bool:
+    """True if the run's testers take no more area than A2RT's, so that it counts in both."""
+    area, reference = (
+        get(result, "area.box_testers_um2"),
+        get(result, "area.reference_um2"),
+    )
+    return area is not None and reference is not None and area <= reference
+
+
+def in_comparison(result: Result, comparison: str) -> bool:
+    """Whether a run belongs to `same-count` or `same-area`; A2RT, the reference, to both."""
+    made_for = get(result, "gpu.comparison", SAME_COUNT)
+    if comparison == SAME_COUNT:
+        return made_for != SAME_AREA
+    return made_for == SAME_AREA or (
+        unit_name(result).startswith("a2rt") and has_area_of_a2rt(result)
+    )
+
+
+def of_comparison(found: Sequence[Result], comparison: str) -> list[Result]:
+    return [one for one in found if in_comparison(one, comparison)]
+
+
+def plain_label(result: Result) -> str:
+    """The label without the mark of the second comparison."""
+    return label(result).removesuffix(AREA_MARK)
 
 
 def by_workload(found: Sequence[Result]) -> dict[str, list[Result]]:

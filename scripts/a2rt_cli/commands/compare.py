@@ -14,18 +14,26 @@ from a2rt_cli import options
 from a2rt_cli.setup.needs import Need
 
 EXAMPLES = """  scripts/a2rt compare cornell forest
+  scripts/a2rt compare lumi:ship_sh lumi:bath_pt      LumiBench's runs; a2rt scenes lists them
   scripts/a2rt compare scene.glb --workload ao --size 256x256 -o out/ao
-  scripts/a2rt compare w.h5 --units baseline,a2rt,cwbvh --gpu table1
+  scripts/a2rt compare w.h5 --units baseline,a2rt,cwbvh --gpu none
+  scripts/a2rt compare bath --sample 0.2 --check-sample
   scripts/a2rt compare cornell --units a2rt --set precision.box_bits=6 --audit 100000
 """
 NEED = Need.ENGINE
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("what", nargs="+", metavar="SCENE|w.h5", help="scenes or workload files")
+    parser.add_argument(
+        "what",
+        nargs="+",
+        metavar="SCENE|w.h5",
+        help="scenes, workload files, LumiBench runs such as lumi:ship_sh",
+    )
     options.add_units(parser)
     options.add_overrides(parser)
-    options.add_gpu(parser, None)
+    options.add_gpu(parser, "table1")
+    options.add_timing(parser, both=True)
     options.add_render(parser)
     options.add_parallel(parser)
     parser.add_argument(
@@ -47,7 +55,7 @@ def run(args: argparse.Namespace) -> int:
 
     out = options.output_folder(args, "out/compare")
     render = options.render_options(args)
-    items = [comparison.Item(text, render) for text in args.what]
+    items = comparison.items_of(args.what, render)
     specs = [
         RunSpec(
             unit,
@@ -58,11 +66,15 @@ def run(args: argparse.Namespace) -> int:
         )
         for unit in args.units
     ]
+    if options.gpu_of(args) is not None:
+        specs = options.timed_specs(args, specs)
     found = comparison.compare(
         items, specs, out, parallel=args.parallel, command=options.command_line()
     )
     page.write(out)
     tables.print_comparison(found)
+    tables.print_match(found)
+    tables.print_samples(found)
     print_where(out)
     return 0
 

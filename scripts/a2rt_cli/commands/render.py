@@ -45,6 +45,8 @@ def run(args: argparse.Namespace) -> int:
         raise UserError(f"{target}: pictures are PNG", "give -o a name that ends in .png")
     if args.overrides and not args.unit:
         raise UserError("--set changes a unit, but there is no --unit", "add --unit a2rt")
+    if scene.note:
+        console.note(f"  {scene.note}")
     with console.step(f"Drawing {scene.name}") as step:
         if args.unit is None and args.capture is None:
             summary = _plain(scene, args, target, step)
@@ -62,9 +64,8 @@ def _plain(scene, args: argparse.Namespace, target: Path, step) -> dict:
     from a2rt_cli.files import replacing
 
     with replacing(target) as temporary:
-        renderer.render(
-            scene, options.render_options(args), temporary, under_layer=False, shown=step
-        )
+        drawn = scene.drawn_with(options.render_options(args))
+        renderer.render(scene, drawn, temporary, under_layer=False, shown=step)
     return {"words": "drawn by the driver", "scene": scene.name, "unit": None}
 
 

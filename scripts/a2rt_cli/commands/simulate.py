@@ -20,6 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--unit", required=True, metavar="U", help="RT unit, by name or .toml")
     options.add_gpu(parser, "table1")
     options.add_overrides(parser)
+    options.add_timing(parser, both=False)
     parser.add_argument("-o", "--output", metavar="r.json", help="result (W.UNIT.json)")
 
 
@@ -29,10 +30,12 @@ def run(args: argparse.Namespace) -> int:
     from a2rt_cli.paths import shown
 
     captured = capture.from_file(Path(args.workload))
-    spec = runs.RunSpec(args.unit, options.gpu_of(args), tuple(args.overrides), picture=False)
+    plain = runs.RunSpec(args.unit, options.gpu_of(args), tuple(args.overrides), picture=False)
+    (spec,) = options.timed_specs(args, [plain])
     target = Path(args.output or f"{captured.name}.{Path(args.unit).stem}.json")
     with console.step(f"Simulating {captured.name} with {spec.label()}"):
         result = runs.execute(captured, spec, target, target.parent)
     tables.print_comparison([result])
+    tables.print_time(result)
     print(f"\nResult: {shown(target)}")
     return 0

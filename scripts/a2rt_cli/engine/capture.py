@@ -41,6 +41,7 @@ def from_scene(
     shown: console.Step | None = None,
 ) -> Captured:
     """Draws `scene` under the layer unless `cache` holds the result of the same inputs."""
+    options = scene.drawn_with(options)
     key = hash_values(scene.content_key(), options.as_dict(), programs.capture_key())
     folder = cache / f"{scene.name}-{key[:16]}"
     if not (folder / "capture.json").is_file():

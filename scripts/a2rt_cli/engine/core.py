@@ -75,7 +75,7 @@ def simulate(
     extra: Sequence[str] = (),
     shown: console.Step | None = None,
 ) -> dict[str, Any]:
-    """Cycles and energy of one unit."""
+    """Cycles and energy of one unit. `extra`: --compare-counts, --heatmap, --sample, ..."""
     words: list[str | Path] = ["simulate", workload, "--unit", unit, "--gpu", gpu, "-o", target]
     for override in overrides:
         words += ["--set", override]

@@ -18,6 +18,7 @@ from a2rt_cli.errors import UserError
 
 def of_scene(scene: scenes.Scene, options: RenderOptions) -> dict[str, Any]:
     """Decided from the scene and the workload alone; nothing is drawn."""
+    options = scene.drawn_with(options)
     command = [programs.program("a2rt-render"), scene.argument, *options.arguments()]
     lines = programs.call(
         [*command, "--list-effects"],

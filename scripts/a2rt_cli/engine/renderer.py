@@ -9,12 +9,15 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from a2rt_cli import console
 from a2rt_cli.engine import programs
-from a2rt_cli.engine.scenes import Scene
 from a2rt_cli.errors import UserError
 from a2rt_cli.process import ProgramFailed
+
+if TYPE_CHECKING:
+    from a2rt_cli.engine.scenes import Scene
 
 LAYER_NAME = "VK_LAYER_A2RT_capture"
 # A program that fails for another reason than its input: shells report signals as 128 + n.

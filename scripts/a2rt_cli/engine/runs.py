@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import shutil
 import tempfile
-from dataclasses import asdict, dataclass, field
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +14,12 @@ from a2rt_cli.engine import core, pictures, programs, verdict_loop
 from a2rt_cli.engine.capture import Captured
 from a2rt_cli.files import hash_file, hash_values, replacing, write_json
 from a2rt_cli.process import ProgramFailed
+from a2rt_cli.results import AREA_MARK, SAME_AREA, SAME_COUNT
 
 SCHEMA_VERSION = 1
 # Rays compared with exact arithmetic per run unless asked otherwise; spread over the whole frame.
 DEFAULT_AUDIT = 20_000
+HEATMAP = "heatmap.npy"
 
 
 @dataclass(frozen=True)
@@ -32,10 +35,38 @@ class RunSpec:
     extra: tuple[str, ...] = field(default=())
     # True: a unit that the machine cannot time keeps its other results, and the report says so.
     time_optional: bool = False
+    # Testers of the simulated unit: as many as A2RT's engine has, or as many as fit its area.
+    comparison: str = SAME_COUNT
+    sample: float | None = None  # share of the warps to simulate; None: all
+    check_sample: bool = False  # also simulate all warps and report the sample's error
+    heatmap: bool = False  # keep the cycles of every pixel
+    functional: bool = True  # False: time and energy only, accuracy is another run's
 
     def label(self) -> str:
         unit = Path(self.unit).stem if self.unit.endswith(".toml") else self.unit
-        return unit + "".join(f" {override}" for override in self.overrides)
+        words = unit + "".join(f" {override}" for override in self.overrides)
+        return words + (AREA_MARK if self.comparison == SAME_AREA else "")
+
+    def timing_words(self) -> list[str]:
+        """Options of `a2rt-core simulate`."""
+        words = ["--compare-counts", self.comparison, *self.extra]
+        if self.sample is not None:
+            words += ["--sample", str(self.sample)]
+            words += ["--sample-check"] if self.check_sample else []
+        return words
+
+
+def with_same_area(specs: Sequence[RunSpec]) -> list[RunSpec]:
+    """`specs`, and each timed one once more with the testers that fit into A2RT's area.
+
+    A2RT itself is the reference of that area: its run counts in both comparisons.
+    """
+    second = [
+        replace(spec, comparison=SAME_AREA, functional=False, picture=False, audit=0)
+        for spec in specs
+        if spec.gpu is not None and not Path(spec.unit).stem.startswith("a2rt")
+    ]
+    return [*specs, *second]
 
 
 def run_key(captured: Captured, spec: RunSpec) -> str:
@@ -48,7 +79,7 @@ def run_key(captured: Captured, spec: RunSpec) -> str:
         paths = _with_parents(core.config_file("gpus", spec.gpu))
         gpu = hash_values([hash_file(path) for path in paths])
     rest = [list(spec.overrides), spec.audit, spec.picture, spec.max_passes, list(spec.extra)]
-    rest.append(spec.time_optional)
+    rest += [spec.time_optional, spec.functional, spec.heatmap, spec.timing_words()]
     return hash_values(captured.key, unit, gpu, rest, programs.core_key())
 
 
@@ -100,19 +131,21 @@ def merge(functional: dict[str, Any], timed: dict[str, Any] | None) -> dict[str,
 
 def execute(captured: Captured, spec: RunSpec, target: Path, pictures_to: Path) -> dict[str, Any]:
     """Runs `spec` and writes its result to `target`, whole or not at all."""
-    drawn = spec.picture and captured.picture is not None
+    drawn = spec.picture and spec.functional and captured.picture is not None
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".run-", dir=target.parent) as folder:
         scratch = Path(folder)
         verdicts = scratch / "first.a2rv" if drawn else None
-        functional = core.trace(
-            captured.file,
-            spec.unit,
-            scratch / "trace.json",
-            overrides=spec.overrides,
-            audit=spec.audit,
-            verdicts=verdicts,
-        )
+        functional: dict[str, Any] = {}
+        if spec.functional:
+            functional = core.trace(
+                captured.file,
+                spec.unit,
+                scratch / "trace.json",
+                overrides=spec.overrides,
+                audit=spec.audit,
+                verdicts=verdicts,
+            )
         timed, untimed = _simulate(captured, spec, scratch)
         result = merge(functional, timed)
         if untimed:
@@ -121,14 +154,30 @@ def execute(captured: Captured, spec: RunSpec, target: Path, pictures_to: Path) 
             first = verdict_loop.of_trace(functional, verdicts)
             stem = f"{captured.name}.{target.stem}"
             result["picture"] = _draw(captured, spec, first, pictures_to, stem)
+        if spec.heatmap and (scratch / HEATMAP).is_file():
+            (scratch / HEATMAP).replace(heatmap_file(target))
+    _describe(result, captured, spec)
+    write_json(target, result)
+    return result
+
+
+def _describe(result: dict[str, Any], captured: Captured, spec: RunSpec) -> None:
+    """What the engines do not know: the workload's name, what stands in, the key of the inputs."""
     workload = result.setdefault("workload", {})
     workload["name"] = captured.name
     if captured.options is not None:
         workload["options"] = captured.options.as_dict()
+    if captured.scene is not None and captured.scene.note:
+        workload["note"] = captured.scene.note
     result.setdefault("provenance", {})["workload_key"] = captured.key
+    result.pop("heatmap", None)  # the engine's temporary name of it
     result["label"] = spec.label()
-    write_json(target, result)
-    return result
+    result["functional"] = spec.functional
+
+
+def heatmap_file(target: Path) -> Path:
+    """Cycles per pixel of the run whose result is `target`: a NumPy array (height, width)."""
+    return target.with_suffix(".npy")
 
 
 def _simulate(
@@ -137,6 +186,9 @@ def _simulate(
     """The timed result, or None and why there is none."""
     if spec.gpu is None:
         return None, ""
+    words = spec.timing_words()
+    if spec.heatmap:
+        words += ["--heatmap", str(scratch / HEATMAP)]
     try:
         timed = core.simulate(
             captured.file,
@@ -144,7 +196,7 @@ def _simulate(
             spec.gpu,
             scratch / "time.json",
             overrides=spec.overrides,
-            extra=spec.extra,
+            extra=words,
         )
     except ProgramFailed as error:
         if not spec.time_optional:

@@ -27,6 +27,7 @@ SERIES_COLOURS = (
     "#f0e442",
     "#6b7280",
 )
+_DARK = {"#0072b2", "#6b7280", "#009e73", "#d55e00"}
 _ROW = 22
 _GAP = 12
 _LABEL = 150
@@ -49,9 +50,9 @@ def series_colours(names: Sequence[str]) -> dict[str, str]:
     return {name: SERIES_COLOURS[i % len(SERIES_COLOURS)] for i, name in enumerate(names)}
 
 
-def _text(x: float, y: float, text: str, anchor: str = "start", cls: str = "t") -> str:
+def text(x: float, y: float, words: str, anchor: str = "start", cls: str = "t") -> str:
     return (
-        f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" class="{cls}">{escape(text)}</text>'
+        f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" class="{cls}">{escape(words)}</text>'
     )
 
 
@@ -60,19 +61,25 @@ def stacked(
     colours: Mapping[str, str],
     write: Callable[[float], str],
     title: str,
+    *,
+    marks: bool = False,
 ) -> str:
-    """Horizontal stacked bars in groups; each group is scaled to its own longest bar."""
+    """Horizontal stacked bars in groups; each group is scaled to its own longest bar.
+
+    With `marks` a part that has room for it carries its share in percent.
+    """
     groups: dict[str, list[Bar]] = {}
     for bar in bars:
         groups.setdefault(bar.group, []).append(bar)
     y, out = 0.0, []
     room = _WIDTH - _LABEL - _VALUE
     for name, members in groups.items():
-        out.append(_text(0, y + 15, name, cls="t b"))
-        y += _ROW
+        if name:
+            out.append(text(0, y + 15, name, cls="t b"))
+            y += _ROW
         longest = max(sum(bar.parts.values()) for bar in members) or 1.0
         for bar in members:
-            out.append(_text(_LABEL - 10, y + 15, bar.label, "end"))
+            out.append(text(_LABEL - 10, y + 15, bar.label, "end"))
             x = float(_LABEL)
             for series, length in bar.parts.items():
                 width = room * length / longest
@@ -83,11 +90,16 @@ def stacked(
                     f'<rect x="{x:.1f}" y="{y + 2}" width="{width:.2f}" height="{_ROW - 5}" '
                     f'fill="{colours[series]}"><title>{tip}</title></rect>'
                 )
+                if marks and width > 34:
+                    ink = "#fff" if colours[series] in _DARK else "#1a2230"
+                    share = f"{100 * length / sum(bar.parts.values()):.0f} %"
+                    middle = text(x + width / 2, y + 14, share, "middle")
+                    out.append(middle.replace("<text ", f'<text style="fill:{ink}" ', 1))
                 x += width
-            out.append(_text(x + 8, y + 15, write(sum(bar.parts.values()))))
+            out.append(text(x + 8, y + 15, write(sum(bar.parts.values()))))
             y += _ROW
         y += _GAP
-    return _svg(out, y, title)
+    return svg(out, y, title)
 
 
 def legend(colours: Mapping[str, str]) -> str:
@@ -98,8 +110,8 @@ def legend(colours: Mapping[str, str]) -> str:
     return f'<div class="legend">{items}</div>'
 
 
-def _svg(parts: Sequence[str], height: float, title: str) -> str:
+def svg(parts: Sequence[str], height: float, title: str, width: int = _WIDTH) -> str:
     return (
-        f'<svg viewBox="0 0 {_WIDTH} {height:.0f}" role="img" class="chart">'
+        f'<svg viewBox="0 0 {width} {height:.0f}" role="img" class="chart">'
         f"<title>{escape(title)}</title>{''.join(parts)}</svg>"
     )

@@ -35,21 +35,31 @@ def paper_numbers() -> list[PaperNumber]:
     return [PaperNumber(**entry) for entry in tomllib.loads(text)["number"]]
 
 
-def pick(group: Sequence[Result], unit: str) -> Result | None:
-    """The run of `unit` with its parameters as configured."""
+def pick(group: Sequence[Result], unit: str, comparison: str = results.SAME_COUNT) -> Result | None:
+    """The run of `unit` with its parameters as configured, in one of the two comparisons."""
     return next(
-        (one for one in group if results.unit_name(one) == unit and results.label(one) == unit),
+        (
+            one
+            for one in group
+            if results.unit_name(one) == unit
+            and results.plain_label(one) == unit
+            and results.in_comparison(one, comparison)
+        ),
         None,
     )
 
 
 def ratios(
-    found: Sequence[Result], unit: str, against: str, value: Callable[[Result], Any]
+    found: Sequence[Result],
+    unit: str,
+    against: str,
+    value: Callable[[Result], Any],
+    comparison: str = results.SAME_COUNT,
 ) -> dict[str, float]:
     """value(unit) / value(against) per workload that has both."""
     out = {}
     for name, group in results.by_workload(found).items():
-        one, other = pick(group, unit), pick(group, against)
+        one, other = pick(group, unit, comparison), pick(group, against, comparison)
         if one is None or other is None:
             continue
         share = results.ratio(value(one), value(other))
@@ -59,9 +69,14 @@ def ratios(
 
 
 def mean_ratio(
-    found: Sequence[Result], unit: str, against: str, value: Callable[[Result], Any]
+    found: Sequence[Result],
+    unit: str,
+    against: str,
+    value: Callable[[Result], Any],
+    comparison: str = results.SAME_COUNT,
 ) -> float | None:
-    return formats.geometric_mean(list(ratios(found, unit, against, value).values()))
+    shares = ratios(found, unit, against, value, comparison)
+    return formats.geometric_mean(list(shares.values()))
 
 
 def mean_share(found: Sequence[Result], unit: str, dotted: str) -> float | None:

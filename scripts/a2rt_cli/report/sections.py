@@ -10,7 +10,8 @@ from typing import Any
 
 from a2rt_cli import formats, results, tables
 from a2rt_cli.engine.pictures import AMPLIFY
-from a2rt_cli.report import charts, measures, words
+from a2rt_cli.report import charts, extras, measures, time_spent, words
+from a2rt_cli.report.table import Table
 from a2rt_cli.results import Result
 
 KIND_WORDS = {
@@ -24,28 +25,18 @@ KIND_WORDS = {
     "stack": "stack spills",
     "shader": "shader data",
 }
-MATCH_WORDS = {
-    "equal": "equal to the driver's",
-    "tie": "tie: same distance, another triangle",
-    "tmin_self_hit": "self hit at tmin",
-    "edge": "at an edge, within rounding",
-    "driver_box_loss": "lost by the driver's own box test",
-    "lost": "lost or changed by the unit",
-    "other": "unexplained",
-}
+MATCH_NOTE = (
+    "Tie: same distance, another primitive. Tmin self-hit: the ray starts on the surface it hits. "
+    "Edge: within rounding of a triangle's edge. Driver's box loss: lavapipe's own box test at a "
+    "box's corner skips the hit. Unknown: the program does not look at this hit, so the capture "
+    "has none. Lost: the unit lost the hit or took another. Other: unexplained."
+)
 
 
 @dataclass
 class Tile:
     value: str
     text: str
-
-
-@dataclass
-class Table:
-    columns: list[str]
-    rows: list[list[str]]
-    note: str = ""
 
 
 @dataclass
@@ -61,6 +52,8 @@ class WorkloadSection:
     name: str
     detail: str
     table: Table
+    times: list[tuple[str, Table]] = field(default_factory=list)  # per comparison
+    note: str = ""
     shots: list[Shot] = field(default_factory=list)
     effects: Table | None = None
     effects_summary: str = ""
@@ -73,7 +66,8 @@ def data_uri(path: Path) -> str:
 def tiles(found: Sequence[Result]) -> list[Tile]:
     """The few numbers that a reader should leave with."""
     out = []
-    lost = [one for one in found if measures.pick([one], "a2rt")]
+    main = results.primary(found)
+    lost = [one for one in main if measures.pick([one], "a2rt")]
     counts = [results.lost_hits(one) for one in lost]
     if counts and all(value is not None for value in counts):
         rays = sum(int(one["workload"]["rays"]) for one in lost)
@@ -109,25 +103,19 @@ def paper_table(found: Sequence[Result]) -> Table:
 
 def match_table(found: Sequence[Result]) -> Table | None:
     """How each unit's closest hits compare with the driver's, by category."""
-    categories = [key for key in MATCH_WORDS if any(key in _match(one) for one in found)]
-    extra = {key for one in found for key in _match(one)} - set(MATCH_WORDS)
-    categories += sorted(extra)
-    if not categories:
+    keys = tables.match_keys(found)
+    if not keys:
         return None
-    columns = ["workload", "unit", *[MATCH_WORDS.get(key, key) for key in categories]]
+    columns = ["workload", "unit", *[tables.MATCH_COLUMNS.get(key, key) for key in keys]]
     rows = [
         [
             results.workload_name(one),
             results.label(one),
-            *[formats.count(_match(one).get(key)) for key in categories],
+            *[formats.count((one.get("driver_match") or {}).get(key)) for key in keys],
         ]
         for one in found
     ]
-    return Table(columns, rows)
-
-
-def _match(result: Result) -> dict[str, int]:
-    return result.get("driver_match") or {}
+    return Table(columns, rows, MATCH_NOTE)
 
 
 def accuracy_table(found: Sequence[Result]) -> Table | None:
@@ -205,6 +193,41 @@ def parts_chart(found: Sequence[Result], dotted: str, write, title: str):
     return charts.legend(colours), charts.stacked(bars, colours, write, title)
 
 
+def energy_bands(found: Sequence[Result]) -> Table | None:
+    """The ledger's low and high sums, and how much of the middle rests on estimated rows."""
+    rows = []
+    for one in found:
+        total = results.get(one, "energy.total_pj")
+        if total:
+            notes = results.get(one, "energy.by_note", {})
+            dynamic = sum(notes.values()) or None
+            rows.append(
+                [
+                    results.workload_name(one),
+                    results.label(one),
+                    *[formats.energy(results.get(one, f"energy.{k}_pj")) for k in ("low", "high")],
+                    formats.energy(total),
+                    formats.percent(results.ratio(results.get(one, "energy.leakage_pj"), total)),
+                    formats.percent(results.ratio(notes.get("estimated", 0.0), dynamic)),
+                ]
+            )
+    if not rows:
+        return None
+    columns = ["workload", "unit", "low", "high", "middle", "leakage", "dynamic from estimates"]
+    note = (
+        "Low and high take every row of the energy table at its lower and upper bound. The last "
+        "column is the share of the dynamic energy whose row is an estimate, not a published "
+        "number; a2rt_core/energy_tables/SOURCES.md says how each was made."
+    )
+    return Table(columns, rows, note)
+
+
+def sample_table(found: Sequence[Result]) -> Table | None:
+    """Runs whose cycles were extrapolated from a part of the warps."""
+    rows = tables.sample_rows(found)
+    return Table(tables.SAMPLE_COLUMNS, rows, tables.SAMPLE_NOTE) if rows else None
+
+
 def workload_sections(
     found: Sequence[Result], folder: Path, effects: dict[str, Any]
 ) -> list[WorkloadSection]:
@@ -228,7 +251,15 @@ def _workload_section(
     if workload.get("workload"):
         detail += f"; shaders: {workload['workload']}"
     section = WorkloadSection(
-        name, detail, Table(tables.columns_of(group), tables.rows_of(group)), _shots(group, folder)
+        name,
+        detail,
+        Table(tables.ACCURACY_COLUMNS, tables.accuracy_rows(group)),
+        [
+            (tables.COMPARISON_WORDS[one], Table(tables.TIME_COLUMNS, tables.time_rows(group, one)))
+            for one in tables.comparisons_of(group)
+        ],
+        workload.get("note", ""),
+        _shots(results.primary(group), folder),
     )
     if effects:
         section.effects, section.effects_summary = effects_table(effects)
@@ -304,17 +335,21 @@ def provenance(found: Sequence[Result]) -> Table:
 
 
 def everything(found: Sequence[Result], folder: Path, effects: dict[str, Any]) -> dict[str, Any]:
+    main = results.primary(found)
     return {
         "summary": words.summary(found),
         "tiles": tiles(found),
         "workloads": workload_sections(found, folder, effects),
-        "match": match_table(found),
-        "accuracy": accuracy_table(found),
-        "traffic": traffic_chart(found),
-        "cycles": parts_chart(found, "time.by_part", lambda v: f"{v:,.0f}", "Cycles by part"),
-        "energy": parts_chart(found, "energy.by_component", formats.energy, "Energy by part"),
-        "timed": any(results.get(one, "time.cycles") is not None for one in found),
+        "match": match_table(main),
+        "accuracy": accuracy_table(main),
+        "traffic": traffic_chart(main),
+        "time": time_spent.sections(found, folder),
+        "energy": parts_chart(main, "energy.by_component", formats.energy, "Energy by part"),
+        "energy_bands": energy_bands(main),
+        "samples": sample_table(main),
         "paper": paper_table(found),
+        "savings": extras.savings(found, folder, effects),
+        "numerics": extras.numerics_link(folder),
         "provenance": provenance(found),
         "command": next((one["provenance"].get("a2rt", "") for one in found), ""),
         "amplify": AMPLIFY,

@@ -23,7 +23,8 @@ def titles(found: Sequence[Result]) -> dict[str, str]:
     out = {}
     for label, group in _units(found).items():
         title = group[0]["unit"].get("title") or label
-        out[label] = label if label != results.unit_name(group[0]) else _short(title)
+        plain = label == results.unit_name(group[0])
+        out[label] = _short(title).replace("A2RT", "A²RT") if plain else label
     return out
 
 
@@ -69,14 +70,20 @@ def _against_baseline(found: Sequence[Result], label: str) -> list[str]:
     nodes = measures.mean_ratio(found, label, results.BASELINE, results.node_bytes)
     if nodes is not None:
         parts.append(f"reads {formats.percent(nodes)} of the baseline's node bytes")
-    cycles = measures.mean_ratio(found, label, results.BASELINE, measures.cycles)
+    parts += _cost(found, label, results.SAME_COUNT)
+    return parts
+
+
+def _cost(found: Sequence[Result], label: str, comparison: str) -> list[str]:
+    parts = []
+    cycles = measures.mean_ratio(found, label, results.BASELINE, measures.cycles, comparison)
     if cycles is not None:
         parts.append(
             f"is {1 / cycles:.2f} times as fast"
             if cycles <= 1
             else f"takes {cycles:.2f} times as many cycles"
         )
-    energy = measures.mean_ratio(found, label, results.BASELINE, measures.energy)
+    energy = measures.mean_ratio(found, label, results.BASELINE, measures.energy, comparison)
     if energy is not None:
         parts.append(f"uses {formats.percent(energy)} of its energy")
     return parts
@@ -84,6 +91,7 @@ def _against_baseline(found: Sequence[Result], label: str) -> list[str]:
 
 def cost_sentences(found: Sequence[Result]) -> list[str]:
     names = titles(found)
+    second = any(results.get(one, "gpu.comparison") == results.SAME_AREA for one in found)
     out = []
     for label in _units(found):
         if label == results.BASELINE:
@@ -91,7 +99,9 @@ def cost_sentences(found: Sequence[Result]) -> list[str]:
         parts = _against_baseline(found, label)
         if parts:
             joined = ", ".join(parts[:-1]) + (" and " if len(parts) > 1 else "") + parts[-1]
-            out.append(f"{names[label]} {joined}.")
+            area = _cost(found, label, results.SAME_AREA) if second else []
+            also = f"; with testers of the same area it {' and '.join(area)}" if area else ""
+            out.append(f"{names[label]} {joined}{also}.")
     return out
 
 
