@@ -138,6 +138,9 @@ void add_audit(Audit& sum, const Audit& other) {
   sum.exact_hits += other.exact_hits;
   sum.redundant_hits += other.redundant_hits;
   sum.missed_hits += other.missed_hits;
+  sum.fp32_exact_hits += other.fp32_exact_hits;
+  sum.fp32_redundant_hits += other.fp32_redundant_hits;
+  sum.fp32_missed_hits += other.fp32_missed_hits;
   sum.escapes += other.escapes;
   sum.triangle_tests += other.triangle_tests;
   for (const auto& [mechanism, count] : other.missed_by_mechanism) {

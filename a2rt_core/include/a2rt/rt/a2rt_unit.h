@@ -63,6 +63,10 @@ class A2rtUnit {
     sink.fetch(Traffic::kGroupNode, tree.base(), bvh::kA2rtGroupBytes);
     sink.count(EventKind::kBoxTest, 1);
     const arith::SlabHit entry = test_group(space.slab, tree.root_box(), closest);
+    if constexpr (Sink::kAudits) {
+      const bvh::BvhRecord root{tree.root_box()};
+      sink.decide_fp32({&root, 1}, 1, entry.hit ? 1 : 0, closest, group_mechanism());
+    }
     if (entry.hit) {
       enter(tree, space, context, tree.node(0).frame, entry.t_entry, sink);
     }
@@ -108,6 +112,7 @@ class A2rtUnit {
     if constexpr (Sink::kAudits) {
       sink.decide(tree.exact_children(index), all & ~groups, hit, closest,
                   [this](std::size_t) { return miss_mechanism(); });
+      sink.decide_fp32(tree.exact_children(index), groups, hit, closest, group_mechanism());
     }
     return hit;
   }
@@ -196,6 +201,9 @@ class A2rtUnit {
                              const Space& space, const Context& context, float closest,
                              Key* keys) const;
   std::string miss_mechanism() const;
+  const char* group_mechanism() const {
+    return literal_ ? "group test: unpadded FP32" : "broken guarantee of the FP32 test";
+  }
 
   UnitInfo info_;
   UnitSettings settings_;

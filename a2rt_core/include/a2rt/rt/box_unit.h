@@ -49,6 +49,8 @@ class BoxUnit {
     if constexpr (Sink::kAudits) {
       sink.decide(tree.exact_children(index), node.dequantized ? all : 0, hit, closest,
                   [](std::size_t) { return "FP32 test of a dequantized box"; });
+      sink.decide_fp32(tree.exact_children(index), node.dequantized ? 0 : all, hit, closest,
+                       "broken guarantee of the FP32 test");
     }
     return hit;
   }

@@ -49,7 +49,7 @@ class EventSink {
   std::vector<Event>& events_;
 };
 
-// Compares every decision about a quantized box with exact arithmetic on the original box.
+// Compares every decision about a box with exact arithmetic on the original box.
 class AuditSink {
  public:
   static constexpr bool kEmits = false;
@@ -85,6 +85,23 @@ class AuditSink {
       if (exact && !found) {
         ++audit_.missed_hits;
         ++audit_.missed_by_mechanism[explain(i)];
+      }
+    }
+  }
+  // The same for the boxes of `tested` that an FP32 unit decided.
+  void decide_fp32(std::span<const bvh::BvhRecord> boxes, std::uint32_t tested, std::uint32_t hit,
+                   float tmax, const char* mechanism) {
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      if ((tested >> i & 1U) == 0) {
+        continue;
+      }
+      const bool exact = arith::ray_meets_box(rays_.back(), boxes[i].box, tmax);
+      const bool found = (hit >> i & 1U) != 0;
+      audit_.fp32_exact_hits += exact ? 1U : 0U;
+      audit_.fp32_redundant_hits += found && !exact ? 1U : 0U;
+      if (exact && !found) {
+        ++audit_.fp32_missed_hits;
+        ++audit_.missed_by_mechanism[mechanism];
       }
     }
   }

@@ -52,9 +52,12 @@ struct Audit {
   std::uint64_t exact_hits = 0;      // quantized tests whose exact box is met
   std::uint64_t redundant_hits = 0;  // quantized says hit, exact says no
   std::uint64_t missed_hits = 0;     // exact says hit, quantized says no
+  // The same three of the FP32 tests: the baseline's nodes, A2RT's group boxes.
+  std::uint64_t fp32_exact_hits = 0, fp32_redundant_hits = 0, fp32_missed_hits = 0;
   std::uint64_t escapes = 0;
   std::uint64_t triangle_tests = 0;
-  // What made a quantized test miss, in words ("5-bit shift overflows"); sums to missed_hits.
+  // What made a test miss, in words ("5-bit shift overflows"); sums to missed_hits and
+  // fp32_missed_hits.
   std::map<std::string, std::uint64_t> missed_by_mechanism;
 };
 

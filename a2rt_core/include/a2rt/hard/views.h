@@ -1,0 +1,28 @@
+// Pictures of the failures: what a unit that loses hits sees where brute force sees a solid body.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "a2rt/hard/judge.h"
+
+namespace a2rt::hard {
+
+// One picture: a body, a grid of rays (one a pixel), and the unit that fails on it.
+struct View {
+  std::string key, column, title, what;
+  Workload (*make)(std::uint32_t side);  // side * side rays, rows from the top
+};
+const std::vector<View>& views();
+
+struct Picture {
+  std::uint32_t side = 0;
+  std::vector<std::uint8_t> shade;  // brute force's brightness, 1..255; 0: background
+  std::string kind;                 // per pixel: '.' as brute force, 'L' lost, 'F' farther hit
+  std::uint64_t hit_pixels = 0, lost = 0, farther = 0;
+  std::map<std::string, std::uint64_t> mechanisms;  // of the missed boxes, over all pixels
+};
+Picture draw(const View& view, std::uint32_t side);
+
+}  // namespace a2rt::hard

@@ -1,0 +1,140 @@
+#include "a2rt/hard/views.h"
+
+#include <cmath>
+
+#include "a2rt/workload/driver_triangle.h"
+#include "case_builder.h"
+
+namespace a2rt::hard {
+namespace {
+
+using synthetic::Shape;
+
+std::vector<Triangle> body(Shape shape) {
+  synthetic::Config config;
+  config.shape = shape;
+  config.primitives = 3000;
+  config.width = config.height = 1;
+  config.secondary = 0;
+  config.reference = false;
+  return synthetic::make(config).blas[0].triangles;
+}
+
+// Position of a pixel's centre in [-1.1, 1.1], odd sides have one exactly at 0.
+float place(std::uint32_t i, std::uint32_t side) {
+  return 1.1F * (2 * (static_cast<float>(i) + 0.5F) / static_cast<float>(side) - 1);
+}
+
+// Parallel rays in direction `d` (d.z = -1) through a grid in the plane z = 0, from `back` away.
+Workload parallel(Shape shape, std::uint32_t side, const Vec3& d, float back) {
+  CaseBuilder c(71);
+  c.blas(body(shape));
+  for (std::uint32_t y = 0; y < side; ++y) {
+    for (std::uint32_t x = 0; x < side; ++x) {
+      const Vec3 target{place(x, side), -place(y, side), 0};
+      c.ray(target - back * d, d);
+    }
+  }
+  return c.finish();
+}
+
+// A camera on the z axis that looks along it: its middle column and row have a zero component.
+Workload pinhole(std::uint32_t side) {
+  CaseBuilder c(72);
+  c.blas(body(Shape::kSphere));
+  const std::uint32_t odd = side | 1U;
+  const Vec3 eye{0, 0, 3};
+  for (std::uint32_t y = 0; y < odd; ++y) {
+    for (std::uint32_t x = 0; x < odd; ++x) {
+      const bool middle_x = x == odd / 2, middle_y = y == odd / 2;
+      const Vec3 target{middle_x ? 0 : place(x, odd), middle_y ? 0 : -place(y, odd), 0};
+      c.ray(eye, target - eye);
+    }
+  }
+  return c.finish();
+}
+
+Workload shifted(std::uint32_t side) {
+  return parallel(Shape::kTorus, side, {0x1.4p-20F, 0x1.8p-19F, -1}, 3);
+}
+Workload wrapped(std::uint32_t side) {
+  return parallel(Shape::kTorus, side, {0x1.4p-40F, 0x1.8p-36F, -1}, 3);
+}
+
+// A grid of tiny spheres seen from very far: groups are small against their distance.
+Workload far_and_small(std::uint32_t side) {
+  CaseBuilder c(73);
+  c.blas(body(Shape::kSphere));
+  const Vec3 d{0.3F, -0.2F, -1};
+  for (std::uint32_t y = 0; y < side; ++y) {
+    for (std::uint32_t x = 0; x < side; ++x) {
+      const Vec3 target{place(x, side), -place(y, side), 0};
+      const Vec3 origin = target - 0x1p21F * d;
+      c.ray(origin, target - origin);
+    }
+  }
+  return c.finish();
+}
+
+// Light from the camera: the cosine between the ray and the triangle's plane.
+std::uint8_t brightness(const Workload& w, const Ray& ray, const Hit& hit) {
+  const Blas& blas = w.blas[w.tlas[0].instances[hit.instance].blas];
+  const Triangle& t = blas.triangles[blas.geometries[hit.geometry].first + hit.primitive];
+  const Vec3 a = t.v[1] - t.v[0], b = t.v[2] - t.v[0];
+  const Vec3 n{a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  const auto dot = [](const Vec3& p, const Vec3& q) {
+    return static_cast<double>(p.x) * q.x + static_cast<double>(p.y) * q.y +
+           static_cast<double>(p.z) * q.z;
+  };
+  const double length = std::sqrt(dot(n, n) * dot(ray.dir, ray.dir));
+  const double cosine = length > 0 ? std::fabs(dot(n, ray.dir)) / length : 0;
+  return static_cast<std::uint8_t>(60 + std::lround(195 * cosine));
+}
+
+}  // namespace
+
+const std::vector<View>& views() {
+  static const std::vector<View> all{
+      {"aqb8_zero", "aqb8_floor", "AQB8: a zero direction component",
+       "A sphere from a camera that looks along an axis. The middle column and row have a "
+       "component that is exactly 0; its reciprocal's infinite exponent is taken as slope 1.",
+       pinhole},
+      {"aqb8_shift", "aqb8_floor", "AQB8: 5-bit shift overflows 32 bits",
+       "A torus under parallel rays whose x and y components are 1.25·2^-20 and 1.5·2^-19.",
+       shifted},
+      {"aqb8_wrap", "aqb8_nearest", "AQB8: 5-bit exponent wraps",
+       "The same with components 1.25·2^-40 and 1.5·2^-36: every ray is lost.", wrapped},
+      {"literal_far", "a2rt_literal", "A²RT as printed: origin clamped",
+       "A sphere from two million radii away.", far_and_small}};
+  return all;
+}
+
+Picture draw(const View& view, std::uint32_t side) {
+  const Workload workload = view.make(side);
+  const std::vector<Hit> truth = true_hits(workload);
+  const std::unique_ptr<RtUnit> unit = make_unit(unit_column(view.column));
+  unit->build(workload);
+  Picture picture;
+  picture.side = static_cast<std::uint32_t>(std::lround(std::sqrt(workload.rays.size())));
+  for (std::size_t i = 0; i < workload.rays.size(); ++i) {
+    const Ray& ray = workload.rays[i];
+    Audit audit;
+    const Hit found = unit->trace({&ray, {}}, audit);
+    for (const auto& [mechanism, count] : audit.missed_by_mechanism) {
+      picture.mechanisms[mechanism] += count;
+    }
+    const bool hit = truth[i].state == HitState::kHit;
+    picture.shade.push_back(hit ? brightness(workload, ray, truth[i]) : std::uint8_t{0});
+    char kind = '.';
+    if (hit && found != truth[i]) {
+      kind = found.state == HitState::kHit ? 'F' : 'L';
+    }
+    picture.kind.push_back(kind);
+    picture.hit_pixels += hit ? 1U : 0U;
+    picture.lost += kind == 'L' ? 1U : 0U;
+    picture.farther += kind == 'F' ? 1U : 0U;
+  }
+  return picture;
+}
+
+}  // namespace a2rt::hard
