@@ -11,6 +11,8 @@
 #include "a2rt/base/text_file.h"
 #include "a2rt/energy/fair_testers.h"
 #include "a2rt/energy/ledger.h"
+#include "a2rt/energy/qbox_area.h"
+#include "a2rt/rt/a2rt_precision.h"
 #include "a2rt/rt/result_json.h"
 #include "a2rt/timing/result_json.h"
 #include "a2rt/timing/sampling.h"
@@ -141,19 +143,45 @@ nlohmann::ordered_json config_json(const UnitChoice& unit, const GpuChoice& gpu,
   return json;
 }
 
+// The table as this unit's testers cost.
+energy::EnergyTable table_for(const Options& options, energy::Design design,
+                              const std::string& name, const config::Section& unit) {
+  auto table = energy::EnergyTable::from_file(options.energy_table.empty()
+                                                  ? std::string(A2RT_ENERGY_FOLDER "/12nm.csv")
+                                                  : options.energy_table);
+  if (design != energy::Design::kA2rt) {
+    return table;
+  }
+  return energy::for_precision(table, rt::read_a2rt_precision(unit, rt::default_origin(name)));
+}
+
+nlohmann::ordered_json area_json(const energy::TesterArea& area, energy::Design design,
+                                 const energy::EnergyTable& table) {
+  nlohmann::ordered_json json = {{"box_testers_um2", area.used_um2},
+                                 {"reference_um2", area.reference_um2},
+                                 {"reached_minimum", area.reached_minimum}};
+  if (design != energy::Design::kFp32) {
+    const bool a2rt = design == energy::Design::kA2rt;
+    const energy::Row& qbox = table.find(a2rt ? "qbox_a2rt" : "qbox_aqb8", "test");
+    json["tester"] = {{"um2", qbox.area_um2},
+                      {"pj", qbox.energy_pj},
+                      {"note", energy::note_name(qbox.note)},
+                      {"source", qbox.source}};
+  }
+  return json;
+}
+
 int simulate(const Options& options) {
   const SplitSettings settings = split_settings(options.set);
   UnitChoice choice = choose_unit(options.unit, options.unit_config, settings.unit);
   const GpuChoice gpu = choose_gpu(options.gpu, settings.gpu);
-  const auto table = energy::EnergyTable::from_file(
-      options.energy_table.empty() ? std::string(A2RT_ENERGY_FOLDER "/12nm.csv")
-                                   : options.energy_table);
   ReadOptions read;
   read.driver_nodes = false;
   const Workload workload = read_workload(options.workload, read);
   RtUnit& unit = *choice.unit;
   const std::string name = unit.info().name;
   const energy::Design design = energy::design_of(name);
+  const energy::EnergyTable table = table_for(options, design, name, choice.section);
   const energy::Comparison comparison = energy::comparison_of(options.comparison);
   timing::MachineConfig machine = gpu.machine;
   const energy::TesterArea area = energy::apply_comparison(
@@ -190,9 +218,7 @@ int simulate(const Options& options) {
   json["events"] = timing::events_json(result);
   json["memory"] = timing::memory_json(result);
   json["time"] = timing::time_json(result, machine);
-  json["area"] = {{"box_testers_um2", area.used_um2},
-                  {"reference_um2", area.reference_um2},
-                  {"reached_minimum", area.reached_minimum}};
+  json["area"] = area_json(area, design, table);
   json["energy"] = energy::ledger_json(ledger);
   add_shares(json, result, unit.structure());
   if (done.plan) {

@@ -17,11 +17,11 @@ constexpr std::int32_t kIntMax = std::numeric_limits<std::int32_t>::max();
 constexpr float kTwo31 = 0x1p31F;
 constexpr std::uint32_t kCopyMask = 0xFFF;  // 5-bit shift, 7-bit significand
 
-float anchor_step(const Box& box) {
+float anchor_step(const Box& box, const Aqb8Precision& precision) {
   const float x = box.hi.x - box.lo.x;
   const float y = box.hi.y - box.lo.y;
   const float z = box.hi.z - box.lo.z;
-  return std::max(std::max(x, y), z) / 255.0F;
+  return std::max(std::max(x, y), z) / static_cast<float>(precision.levels());
 }
 
 bool usable_step(float sx) {
@@ -75,18 +75,21 @@ std::int32_t aqb8_nearest(float x) {
   return x < -kTwo31 ? kIntMin : static_cast<std::int32_t>(std::nearbyint(x));
 }
 
-bool aqb8_can_anchor(const Box& box) { return box.valid() && usable_step(anchor_step(box)); }
+bool aqb8_can_anchor(const Box& box, const Aqb8Precision& precision) {
+  return box.valid() && usable_step(anchor_step(box, precision));
+}
 
-Aqb8Anchor make_aqb8_anchor(const Box& box, const std::string& what) {
+Aqb8Anchor make_aqb8_anchor(const Box& box, const std::string& what,
+                            const Aqb8Precision& precision) {
   require_finite_box(box, what);
-  const float sx = anchor_step(box);
+  const float sx = anchor_step(box, precision);
   if (!usable_step(sx)) {
-    throw UserError(what +
-                    ": AQB8 cannot anchor this box (largest extent / 255 = " + std::to_string(sx) +
-                    "); its step or the step's inverse is zero or infinite. "
-                    "Keep the node in its parent's cluster");
+    throw UserError(
+        what + ": AQB8 cannot anchor this box (largest extent / levels = " + std::to_string(sx) +
+        "); its step or the step's inverse is zero or infinite. "
+        "Keep the node in its parent's cluster");
   }
-  return {box, 128.0F / sx, sx};
+  return {box, 128.0F / sx, sx, precision.levels()};
 }
 
 Aqb8Box quantize_aqb8(const Box& box, const Aqb8Anchor& anchor, const std::string& what) {
@@ -96,13 +99,13 @@ Aqb8Box quantize_aqb8(const Box& box, const Aqb8Anchor& anchor, const std::strin
     const float low = anchor.box.lo[a];
     const std::int32_t lo = aqb8_floor((box.lo[a] - low) / anchor.sx);
     const std::int32_t hi = aqb8_ceil((box.hi[a] - low) / anchor.sx);
-    if (lo < 0 || hi > 256) {
+    if (lo < 0 || hi > anchor.levels + 1) {
       throw UserError(what + ": box leaves its AQB8 anchor on axis " + std::to_string(a) + " (" +
-                      std::to_string(lo) + " to " + std::to_string(hi) +
-                      " of 0 to 256); rebuild or refit the tree");
+                      std::to_string(lo) + " to " + std::to_string(hi) + " of 0 to " +
+                      std::to_string(anchor.levels + 1) + "); rebuild or refit the tree");
     }
-    q.lo[a] = static_cast<std::uint8_t>(std::min(lo, 255));
-    q.hi[a] = static_cast<std::uint8_t>(std::min(hi, 255));
+    q.lo[a] = static_cast<std::uint8_t>(std::min(lo, anchor.levels));
+    q.hi[a] = static_cast<std::uint8_t>(std::min(hi, anchor.levels));
   }
   return q;
 }
@@ -124,16 +127,18 @@ float aqb8_half_area(const Aqb8Box& box, const Aqb8Anchor& anchor) {
   return (dx + dy) * dz + dx * dy;
 }
 
-Aqb8Ray make_aqb8_ray(const Vec3& origin, const Vec3& direction, float tmin) {
+Aqb8Ray make_aqb8_ray(const Vec3& origin, const Vec3& direction, float tmin,
+                      const Aqb8Precision& precision) {
   Aqb8Ray ray;
+  const std::uint32_t step = 1U << (8 - precision.slope_bits);
   ray.tmin = tmin;
   for (std::size_t a = 0; a < kAxes; ++a) {
     ray.w[a] = 1.0F / direction[a];
     ray.b[a] = -origin[a] * ray.w[a];
     const auto bits = std::bit_cast<std::uint32_t>(ray.w[a]);
     const std::uint32_t shift = ((bits >> 23 & 0xFFU) - 127U) & 31U;
-    const std::uint32_t near = shift << 7 | (bits >> 16 & 127U);
-    const std::uint32_t far = (near + 1) & kCopyMask;
+    const std::uint32_t near = shift << 7 | (bits >> 16 & 127U & ~(step - 1));
+    const std::uint32_t far = (near + step) & kCopyMask;
     const bool negative = (bits >> 31) != 0;
     ray.negative |= static_cast<std::uint8_t>(negative ? 1U << a : 0U);
     ray.low[a] = static_cast<std::uint16_t>(negative ? far : near);

@@ -15,12 +15,14 @@ namespace {
 struct Reference {
   Vec3 lo;
   float sx;
+  float levels;
 };
 
-Reference reference(const Box& anchor) {
+Reference reference(const Box& anchor, int levels) {
   const float x = anchor.hi.x - anchor.lo.x, y = anchor.hi.y - anchor.lo.y;
   const float z = anchor.hi.z - anchor.lo.z;
-  return {anchor.lo, std::max({x, y, z}) / 255.0F};
+  const auto most = static_cast<float>(levels);
+  return {anchor.lo, std::max({x, y, z}) / most, most};
 }
 
 double area(const Box& box, const Reference& ref) {
@@ -32,7 +34,7 @@ double area(const Box& box, const Reference& ref) {
     const float lo = std::floor((box.lo[a] - ref.lo[a]) / ref.sx);
     const float hi = std::ceil((box.hi[a] - ref.lo[a]) / ref.sx);
     d[a] = static_cast<double>(ref.sx) *
-           static_cast<double>(std::min(hi, 255.0F) - std::min(lo, 255.0F));
+           static_cast<double>(std::min(hi, ref.levels) - std::min(lo, ref.levels));
   }
   return (d[0] + d[1]) * d[2] + d[0] * d[1];
 }
@@ -54,7 +56,7 @@ class Program {
     choice_.assign(bits, false);
     rows_.assign(bvh_.depth + 2U, std::vector<double>(bvh_.depth + 2U, 0.0));
     path_.resize(bvh_.depth + 2U);
-    root_area_ = area(bvh_.records[0].box, reference(bvh_.records[0].box));
+    root_area_ = area(bvh_.records[0].box, reference(bvh_.records[0].box, levels()));
     solve(0, 0);
   }
 
@@ -67,6 +69,8 @@ class Program {
   }
 
  private:
+  int levels() const { return config_.precision.levels(); }
+
   std::vector<std::uint16_t> depths() const {
     std::vector<std::uint16_t> depth(bvh_.records.size(), 0);
     for (std::size_t i = 0; i < bvh_.records.size(); ++i) {
@@ -91,7 +95,7 @@ class Program {
     }
     std::vector<double>& sums = rows_[d];
     std::fill(sums.begin(), sums.begin() + d + 1, 0.0);
-    path_[d] = reference(r.box);
+    path_[d] = reference(r.box, levels());
     for (std::uint32_t c = 0; c < r.count; ++c) {
       solve(r.first + c, d + 1);
     }
@@ -100,7 +104,7 @@ class Program {
       const double stay = 2 * config_.t_trv_int * a + sums[k];
       const double change = (2 * config_.t_trv_int + config_.t_switch) * a + sums[d];
       // A box without extent has no scale, so it cannot anchor (the artifact aborts there).
-      const bool opens = change < stay && arith::aqb8_can_anchor(r.box);
+      const bool opens = change < stay && arith::aqb8_can_anchor(r.box, config_.precision);
       choice_[offset_[v] + k] = opens;
       rows_[d - 1][k] += opens ? change : stay;
     }
@@ -217,7 +221,7 @@ class Emission {
 }  // namespace
 
 double quantized_half_area(const Box& box, const Box& anchor) {
-  return area(box, reference(anchor));
+  return area(box, reference(anchor, arith::Aqb8Precision{}.levels()));
 }
 
 void adopt_cluster_order(WideBvh& bvh, Clustering& clusters) {

@@ -54,7 +54,7 @@ void write_wide_word(ByteWriter& out, const WideBvh& bvh, const Clustering& clus
 }  // namespace
 
 Aqb8Layout encode_aqb8(const WideBvh& bvh, const Clustering& clusters, std::uint32_t record_bytes,
-                       const std::string& what) {
+                       const std::string& what, const arith::Aqb8Precision& precision) {
   if (record_bytes != 8 && record_bytes != 16) {
     throw UserError("AQB8 nodes are 8 or 16 bytes, not " + std::to_string(record_bytes));
   }
@@ -65,7 +65,7 @@ Aqb8Layout encode_aqb8(const WideBvh& bvh, const Clustering& clusters, std::uint
   layout.boxes.reserve(clusters.order.size());
   for (const Cluster& c : clusters.clusters) {
     layout.anchors.push_back(arith::make_aqb8_anchor(
-        bvh.records[c.anchor].box, what + ", anchor node " + std::to_string(c.anchor)));
+        bvh.records[c.anchor].box, what + ", anchor node " + std::to_string(c.anchor), precision));
     write_anchor(anchors, layout.anchors.back(), c);
     for (std::uint32_t p = c.node_offset; p < c.node_offset + c.node_count; ++p) {
       const std::uint32_t i = clusters.order[p];

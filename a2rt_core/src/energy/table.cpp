@@ -220,4 +220,22 @@ double EnergyTable::leak_uw(std::string_view component) const {
   return first_of(component).leak_uw;
 }
 
+EnergyTable EnergyTable::scaled(std::string_view component, double factor,
+                                const std::string& how) const {
+  first_of(component);
+  EnergyTable table = *this;
+  for (Row& row : table.rows_) {
+    if (row.component != component) {
+      continue;
+    }
+    row.note = Note::kEstimated;
+    row.source += "; " + how + ", times " + std::to_string(factor);
+    for (double* value :
+         {&row.energy_pj, &row.energy_low_pj, &row.energy_high_pj, &row.area_um2, &row.leak_uw}) {
+      *value *= factor;
+    }
+  }
+  return table;
+}
+
 }  // namespace a2rt::energy

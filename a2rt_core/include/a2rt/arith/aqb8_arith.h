@@ -19,23 +19,34 @@ namespace a2rt::arith {
 // nearest even.
 enum class Aqb8Rounding : std::uint8_t { kFloorCeil, kNearestEven };
 
-// Anchor (cluster) constants: box and 128 / sx with sx = max extent / 255.
+// Precision knobs; the defaults are the publication's, to the bit.
+struct Aqb8Precision {
+  int box_bits = 8;    // 4..8 bits per stored plane: sx = max extent / (2^bits - 1)
+  int slope_bits = 8;  // 2..8 significand bits of the 5e8m slopes, hidden bit included
+
+  constexpr int levels() const { return (1 << box_bits) - 1; }
+  friend constexpr bool operator==(const Aqb8Precision&, const Aqb8Precision&) = default;
+};
+
+// Anchor (cluster) constants: box and 128 / sx with sx = max extent / levels.
 struct Aqb8Anchor {
   Box box;
   float inv_sx_inv_sw = 0;  // FP32 128 / sx
   float sx = 0;
+  int levels = 255;
 };
 // Throws UserError naming `what` for inverted, empty or non-finite boxes and for anchors without
 // extent (the artifact aborts there), and where sx or 128/sx is not finite and positive.
-Aqb8Anchor make_aqb8_anchor(const Box& box, const std::string& what = "anchor");
+Aqb8Anchor make_aqb8_anchor(const Box& box, const std::string& what = "anchor",
+                            const Aqb8Precision& precision = {});
 // True if make_aqb8_anchor would accept the box.
-bool aqb8_can_anchor(const Box& box);
+bool aqb8_can_anchor(const Box& box, const Aqb8Precision& precision = {});
 
 struct Aqb8Box {
   std::array<std::uint8_t, 3> lo{}, hi{};
   friend constexpr bool operator==(const Aqb8Box&, const Aqb8Box&) = default;
 };
-// Throws UserError naming `what` where the artifact asserts (a plane outside 0..256).
+// Throws UserError naming `what` where the artifact asserts (a plane outside 0..levels + 1).
 Aqb8Box quantize_aqb8(const Box& box, const Aqb8Anchor& anchor, const std::string& what = "node");
 // Half area of the dequantized box (only the clustering cost uses it), FP32.
 float aqb8_half_area(const Aqb8Box& box, const Aqb8Anchor& anchor);
@@ -48,7 +59,9 @@ struct Aqb8Ray {
   std::uint8_t negative = 0;                // sign bit of w
   std::uint16_t low[3] = {}, high[3] = {};  // 5-bit shift << 7 | 7-bit significand
 };
-Aqb8Ray make_aqb8_ray(const Vec3& origin, const Vec3& direction, float tmin);
+// Fewer slope bits: the near copy is cut, the far copy is the next larger slope of that width.
+Aqb8Ray make_aqb8_ray(const Vec3& origin, const Vec3& direction, float tmin,
+                      const Aqb8Precision& precision = {});
 
 // Anchor test (CLSTR a): FP32, unpadded; entry starts at tmin.
 struct Aqb8Entry {

@@ -14,6 +14,7 @@
 #include <limits>
 #include <vector>
 
+#include "a2rt/arith/aqb8_arith.h"
 #include "a2rt/bvh/wide_bvh.h"
 
 namespace a2rt::bvh {
@@ -30,6 +31,8 @@ struct ClusterConfig {
   std::uint32_t capacity = std::numeric_limits<std::uint32_t>::max();
   // Clusters in all; 32768 with the 16-bit child word. Beyond it: UserError.
   std::uint32_t most_clusters = std::numeric_limits<std::uint32_t>::max();
+  // Quantized areas are those that the encoder will store.
+  arith::Aqb8Precision precision;
 };
 
 struct Cluster {

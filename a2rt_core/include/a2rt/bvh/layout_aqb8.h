@@ -51,7 +51,7 @@ struct Aqb8Layout {
 // Throws UserError for record_bytes other than 8 and 16, for leaves of more than 7 triangles, and
 // where the artifact asserts; names `what` and the node.
 Aqb8Layout encode_aqb8(const WideBvh& bvh, const Clustering& clusters, std::uint32_t record_bytes,
-                       const std::string& what);
+                       const std::string& what, const arith::Aqb8Precision& precision = {});
 Aqb8Record decode_aqb8(std::span<const std::byte> node_bytes, std::uint32_t record_bytes,
                        std::uint32_t position);
 

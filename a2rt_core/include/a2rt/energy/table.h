@@ -41,6 +41,9 @@ class EnergyTable {
   // Area and leakage of one instance. Throws UserError if the table has no such component.
   double area_um2(std::string_view component) const;
   double leak_uw(std::string_view component) const;
+  // A copy with energy, area and leakage of `component` times `factor`; its rows become estimated
+  // and their source says `how`. Throws UserError if the table has no such component.
+  EnergyTable scaled(std::string_view component, double factor, const std::string& how) const;
 
  private:
   const Row& first_of(std::string_view component) const;

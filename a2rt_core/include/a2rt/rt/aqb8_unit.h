@@ -41,6 +41,7 @@ class Aqb8Unit {
 
   const UnitSettings& settings() const { return settings_; }
   const UnitInfo& info() const { return info_; }
+  const arith::Aqb8Precision& precision() const { return clusters_.precision; }
 
   Aqb8Tree encode(bvh::WideBvh& tree, const std::string& name, bvh::AddressSpace& space,
                   StructureStats& stats) const;

@@ -28,7 +28,7 @@ Aqb8Unit::Space::Space(const Aqb8Unit& unit, const Vec3& origin, const Vec3& dir
       d = {dir.x / norm, dir.y / norm, dir.z / norm};
     }
   }
-  ray = arith::make_aqb8_ray(origin, d, scaled(tmin));
+  ray = arith::make_aqb8_ray(origin, d, scaled(tmin), unit.precision());
 }
 
 Aqb8Unit::Aqb8Unit(const config::Section& section)
@@ -43,6 +43,11 @@ Aqb8Unit::Aqb8Unit(const config::Section& section)
                      "FP32 to integer at a cluster's entry: software model or RTL") == "floor"
           ? arith::Aqb8Rounding::kFloorCeil
           : arith::Aqb8Rounding::kNearestEven;
+  const config::Section p = section.table("precision");
+  clusters_.precision.box_bits = static_cast<int>(
+      p.integer("box_bits", 8, 4, 8, "bits", "Used of the eight that a stored plane has"));
+  clusters_.precision.slope_bits =
+      static_cast<int>(p.integer("slope_bits", 8, 2, 8, "bits", "Significand of the 5e8m slopes"));
   const config::Section c = section.table("clusters");
   clusters_.t_trv_int = c.number("t_trv_int", 0.5, 0, 1e6, "cost", "Quantized box test");
   clusters_.t_switch = c.number("t_switch", artifact_ ? 0.8 : 1.0, 0, 1e6, "cost",
@@ -78,7 +83,8 @@ Aqb8Tree Aqb8Unit::encode(bvh::WideBvh& tree, const std::string& name, bvh::Addr
   stats.encode_seconds += seconds_of([&] {
     // Cluster order is the artifact's order of triangles; from here on it is the tree's own.
     bvh::adopt_cluster_order(tree, clusters);
-    bvh::Aqb8Layout layout = bvh::encode_aqb8(tree, clusters, artifact_ ? 8 : node_bytes_, name);
+    bvh::Aqb8Layout layout =
+        bvh::encode_aqb8(tree, clusters, artifact_ ? 8 : node_bytes_, name, precision());
     const std::uint64_t nodes = std::uint64_t{clusters.order.size()} * node_bytes_;
     const std::uint64_t anchors = std::uint64_t{clusters.clusters.size()} * anchor_bytes_;
     stats.group_nodes += clusters.clusters.size();
