@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import sys
+import threading
+from collections.abc import Callable
 from pathlib import Path
 
 from a2rt_cli import console
@@ -63,12 +65,34 @@ def _ensure_packages(tests: bool) -> None:
     write_json(_STAMP, {**_stamps(), stamp: _packages_key()})
 
 
-def _ensure_python(need: Need) -> None:
-    if python_env.missing(need):
-        with console.step("Installing the Python environment") as shown:
-            python_env.create(need, shown.update)
+class _Background:
+    """Work whose outcome is asked for later; an error is raised then, where it is asked for."""
+
+    def __init__(self, work: Callable[[], None]):
+        self._error: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, args=(work,), daemon=True)
+        self._thread.start()
+
+    def _run(self, work: Callable[[], None]) -> None:
+        try:
+            work()
+        except BaseException as error:
+            self._error = error
+
+    def finish(self) -> None:
+        self._thread.join()
+        if self._error is not None:
+            raise self._error
+
+
+def _install_python(need: Need) -> None:
+    with console.step("Installing the Python environment") as shown:
+        python_env.create(need, shown.update)
+
+
+def _continue_in_environment() -> None:
+    """From here on the pinned packages are needed: goes on in the environment's interpreter."""
     if not python_env.check_running_from():
-        # From here on the pinned packages are needed: go on in the environment's interpreter.
         sys.stdout.flush()
         sys.stderr.flush()
         os.execv(venv_python(), [str(venv_python()), "-m", "a2rt_cli", *sys.argv[1:]])
@@ -77,6 +101,15 @@ def _ensure_python(need: Need) -> None:
 def prepare(need: Need) -> None:
     """Makes `need` true or raises UserError. Prints nothing on a machine that is ready."""
     _ensure_packages(tests=need is Need.TESTS)
-    _ensure_python(need)
+    if need >= Need.ENGINE and need is not Need.TESTS and python_env.missing(need):
+        # The compiler needs the processors and the installation mostly waits: both at once. The
+        # tests' build is left out because it asks the environment's interpreter.
+        environment = _Background(lambda: python_env.create(need, lambda *_: None))
+        build.ensure(tests=False)
+        with console.step("Installing the Python environment"):
+            environment.finish()
+    elif python_env.missing(need):
+        _install_python(need)
+    _continue_in_environment()
     if need >= Need.ENGINE:
         build.ensure(tests=need is Need.TESTS)
