@@ -5,11 +5,13 @@
 
 #include "a2rt/arith/qbox.h"
 #include "a2rt/arith/slab.h"
-#include "cases.h"
+#include "a2rt/hard/strata.h"
 #include "properties.h"
 
 namespace a2rt::arith::testing {
 namespace {
+
+using namespace a2rt::hard;
 
 TEST(SlabBlock, IsBitEqualToTheScalarTest) {
   Random random(11);

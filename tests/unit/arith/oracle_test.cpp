@@ -6,10 +6,12 @@
 #include <chrono>
 #include <limits>
 
-#include "cases.h"
+#include "a2rt/hard/strata.h"
 
 namespace a2rt::arith::testing {
 namespace {
+
+using namespace a2rt::hard;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 

@@ -10,10 +10,12 @@
 #include "a2rt/arith/pow2_frame.h"
 #include "a2rt/arith/qbox.h"
 #include "a2rt/arith/slab.h"
-#include "cases.h"
+#include "a2rt/hard/strata.h"
 
 namespace a2rt::arith::testing {
 namespace {
+
+using namespace a2rt::hard;
 
 using Rational = boost::multiprecision::mpq_rational;
 

@@ -1,4 +1,4 @@
-#include "guarantee.h"
+#include "a2rt/hard/guarantee.h"
 
 #include <algorithm>
 #include <bit>
@@ -12,8 +12,11 @@
 #include "a2rt/arith/qbox.h"
 #include "a2rt/arith/slab.h"
 
-namespace a2rt::arith::testing {
+namespace a2rt::hard {
 namespace {
+
+// This file is about the arithmetic alone.
+using namespace arith;
 
 constexpr std::size_t kBlocks = 4;  // of eight boxes per group
 constexpr std::size_t kRaysPerGroup = 32;
@@ -210,7 +213,8 @@ GuaranteeResult run_worker(std::uint64_t least_tests, std::uint64_t seed) {
   Random random(seed);
   auto players = make_players();
   for (std::uint32_t round = 0;; ++round) {
-    const Stratum s = stratum(static_cast<std::uint32_t>(std::uint64_t{round} * 253 % kStrata));
+    const auto number = static_cast<std::uint32_t>(std::uint64_t{round} * 253 % kStrata);
+    const Stratum s = stratum(number);
     TestGroup group = make_group(random, s);
     Situation now;
     now.group = group.box;
@@ -229,7 +233,7 @@ GuaranteeResult run_worker(std::uint64_t least_tests, std::uint64_t seed) {
       find_truth(now);
       const SlabRay slab = make_slab_ray(now.ray.origin, now.ray.direction, now.ray.tmin);
       for (std::size_t d = 0; d < kDesigns; ++d) {
-        players[d]->play(now, slab, result.counts[d][static_cast<std::size_t>(s.direction)]);
+        players[d]->play(now, slab, result.counts[d][number]);
       }
     }
     // Whole sweeps over the strata, so that no stratum is favoured.
@@ -266,6 +270,22 @@ void Counts::add(const Counts& other) {
   }
 }
 
+double Counts::found() const {
+  const std::uint64_t all = hits + group_missed;
+  return all == 0 ? 1 : 1 - static_cast<double>(missed + group_missed) / static_cast<double>(all);
+}
+
+double Counts::redundant_share() const {
+  const std::uint64_t misses = tests - hits;
+  return misses == 0 ? 0 : static_cast<double>(redundant) / static_cast<double>(misses);
+}
+
+GuaranteeResult::GuaranteeResult() {
+  for (std::vector<Counts>& c : counts) {
+    c.resize(kStrata);
+  }
+}
+
 Counts GuaranteeResult::total(Design design) const {
   Counts sum;
   for (const Counts& c : counts[static_cast<std::size_t>(design)]) {
@@ -282,27 +302,53 @@ void GuaranteeResult::add(const GuaranteeResult& other) {
   }
 }
 
-void GuaranteeResult::print() const {
-  static constexpr const char* kKinds[] = {"generic", "near axis", "axis", "denormal",
-                                           "unnormalized"};
-  std::printf("%-13s %-13s %13s %12s %11s %11s %9s %12s\n", "design", "directions", "tests",
-              "exact hits", "missed", "redundant", "% misses", "escaped");
-  const auto row = [](const std::string& design, const char* kind, const Counts& c) {
-    const auto misses = static_cast<double>(c.tests - c.hits);
-    std::printf("%-13s %-13s %13llu %12llu %11llu %11llu %9.3f %12llu\n", design.c_str(), kind,
-                static_cast<unsigned long long>(c.tests), static_cast<unsigned long long>(c.hits),
-                static_cast<unsigned long long>(c.missed + c.group_missed + c.escaped_missed),
-                static_cast<unsigned long long>(c.redundant),
-                misses == 0 ? 0.0 : 100.0 * static_cast<double>(c.redundant) / misses,
-                static_cast<unsigned long long>(c.escaped));
-  };
-  for (std::size_t d = 0; d < kDesigns; ++d) {
-    const std::string name = name_of(static_cast<Design>(d));
-    for (std::size_t k = 0; k < counts[d].size(); ++k) {
-      row(name, kKinds[k], counts[d][k]);
-    }
-    row(name, "all", total(static_cast<Design>(d)));
+namespace {
+
+// Adds a row for each kind of one dimension.
+template <class Kind>
+void add_rows(const GuaranteeResult& result, Design design, const char* dimension,
+              Kind Stratum::*member, std::vector<GuaranteeRow>& rows) {
+  const std::size_t first = rows.size();
+  for (std::size_t k = 0; k < static_cast<std::size_t>(Kind::kCount); ++k) {
+    rows.push_back({design, dimension, name_of(static_cast<Kind>(k)), {}});
   }
+  for (std::uint32_t i = 0; i < kStrata; ++i) {
+    const auto kind = static_cast<std::size_t>(stratum(i).*member);
+    rows[first + kind].counts.add(result.counts[static_cast<std::size_t>(design)][i]);
+  }
+}
+
+}  // namespace
+
+std::vector<GuaranteeRow> table_of(const GuaranteeResult& result) {
+  std::vector<GuaranteeRow> rows;
+  for (std::size_t d = 0; d < kDesigns; ++d) {
+    const auto design = static_cast<Design>(d);
+    rows.push_back({design, "", "all", result.total(design)});
+    add_rows(result, design, "direction", &Stratum::direction, rows);
+    add_rows(result, design, "distance", &Stratum::distance, rows);
+    add_rows(result, design, "aspect", &Stratum::aspect, rows);
+    add_rows(result, design, "magnitude", &Stratum::magnitude, rows);
+  }
+  return rows;
+}
+
+std::string text_of(const std::vector<GuaranteeRow>& rows) {
+  char line[200];
+  std::snprintf(line, sizeof line, "%-13s %-10s %-13s %13s %12s %11s %10s %11s %11s\n", "design",
+                "stratum", "", "tests", "exact hits", "lost", "found %", "redundant %", "escaped");
+  std::string text = line;
+  for (const GuaranteeRow& row : rows) {
+    const Counts& c = row.counts;
+    std::snprintf(line, sizeof line,
+                  "%-13s %-10s %-13s %13llu %12llu %11llu %10.4f %11.3f %11llu\n",
+                  name_of(row.design).c_str(), row.dimension.c_str(), row.kind.c_str(),
+                  static_cast<unsigned long long>(c.tests), static_cast<unsigned long long>(c.hits),
+                  static_cast<unsigned long long>(c.lost()), 100 * c.found(),
+                  100 * c.redundant_share(), static_cast<unsigned long long>(c.escaped));
+    text += line;
+  }
+  return text;
 }
 
 GuaranteeResult run_guarantee(std::uint64_t least_tests, unsigned threads, std::uint64_t seed) {
@@ -321,4 +367,4 @@ GuaranteeResult run_guarantee(std::uint64_t least_tests, unsigned threads, std::
   return all;
 }
 
-}  // namespace a2rt::arith::testing
+}  // namespace a2rt::hard

@@ -1,4 +1,5 @@
-// Seeded, stratified rays, groups and child boxes for the property tests of arith/.
+// Seeded rays, groups and child boxes, stratified by direction, distance, aspect and magnitude:
+// what the guarantee and the property tests of arith/ run over.
 #pragma once
 
 #include <array>
@@ -7,7 +8,7 @@
 
 #include "a2rt/base/vec.h"
 
-namespace a2rt::arith::testing {
+namespace a2rt::hard {
 
 // SplitMix64: small, fast, the same on every machine.
 class Random {
@@ -64,6 +65,10 @@ struct Stratum {
 };
 inline constexpr std::uint32_t kStrata = 5 * 5 * 5 * 5;
 Stratum stratum(std::uint32_t index);
+std::string name_of(DirectionKind kind);
+std::string name_of(DistanceKind kind);
+std::string name_of(AspectKind kind);
+std::string name_of(MagnitudeKind kind);
 std::string name_of(const Stratum& s);
 
 struct TestRay {
@@ -85,4 +90,4 @@ TestRay make_ray(Random& random, const Stratum& s, const TestGroup& group);
 std::string describe(const TestRay& ray);
 std::string describe(const Box& box);
 
-}  // namespace a2rt::arith::testing
+}  // namespace a2rt::hard

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "cases.h"
+#include "a2rt/hard/strata.h"
 
-namespace a2rt::arith::testing {
+namespace a2rt::hard {
 
 enum class Design : std::uint8_t {
   kWide,
@@ -35,18 +35,36 @@ struct Counts {
   std::uint64_t group_missed = 0;  // exact hits lost because the design's group test said no
   std::string first_missed;
   void add(const Counts& other);
+  // Exact hits lost in any way: by the quantized test, after an escape, or with the group.
+  std::uint64_t lost() const { return missed + escaped_missed + group_missed; }
+  // Share of the exact hits of its own tests that the design finds.
+  double found() const;
+  // Share of the exact misses that it calls hits.
+  double redundant_share() const;
 };
 
 struct GuaranteeResult {
-  // By design and direction kind.
-  std::array<std::array<Counts, static_cast<std::size_t>(DirectionKind::kCount)>, kDesigns> counts;
+  // By design and stratum (see stratum() for the numbering).
+  std::array<std::vector<Counts>, kDesigns> counts;
+  GuaranteeResult();
   Counts total(Design design) const;
   void add(const GuaranteeResult& other);
-  void print() const;
 };
+
+// One row of the table: a design over all strata of one kind.
+struct GuaranteeRow {
+  Design design{};
+  std::string dimension;  // "direction", "distance", "aspect", "magnitude"; empty: all strata
+  std::string kind;       // "near axis"
+  Counts counts;
+};
+// All strata first, then the kinds of each dimension, for every design.
+std::vector<GuaranteeRow> table_of(const GuaranteeResult& result);
+// The table as text, a row a line.
+std::string text_of(const std::vector<GuaranteeRow>& rows);
 
 // `threads` workers, each with its own seed, until every claiming design has done at least
 // `least_tests` quantized tests.
 GuaranteeResult run_guarantee(std::uint64_t least_tests, unsigned threads, std::uint64_t seed);
 
-}  // namespace a2rt::arith::testing
+}  // namespace a2rt::hard

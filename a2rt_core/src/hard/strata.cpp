@@ -1,4 +1,4 @@
-#include "cases.h"
+#include "a2rt/hard/strata.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <limits>
 
-namespace a2rt::arith::testing {
+namespace a2rt::hard {
 namespace {
 
 constexpr float kLargest = std::numeric_limits<float>::max();
@@ -261,15 +261,27 @@ Stratum stratum(std::uint32_t index) {
   return s;
 }
 
+std::string name_of(DirectionKind kind) {
+  static constexpr const char* kNames[] = {"generic", "near axis", "axis", "denormal",
+                                           "unnormalized"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+std::string name_of(DistanceKind kind) {
+  static constexpr const char* kNames[] = {"inside", "on surface", "near", "far", "extreme"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+std::string name_of(AspectKind kind) {
+  static constexpr const char* kNames[] = {"cube", "mixed", "sliver", "flat", "point"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+std::string name_of(MagnitudeKind kind) {
+  static constexpr const char* kNames[] = {"ordinary", "offset", "grid", "tiny", "huge"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
 std::string name_of(const Stratum& s) {
-  static constexpr const char* kDirections[] = {"generic", "near axis", "axis", "denormal",
-                                                "unnormalized"};
-  static constexpr const char* kDistances[] = {"inside", "on surface", "near", "far", "extreme"};
-  static constexpr const char* kAspects[] = {"cube", "mixed", "sliver", "flat", "point"};
-  static constexpr const char* kMagnitudes[] = {"ordinary", "offset", "grid", "tiny", "huge"};
-  return std::string(kDirections[static_cast<int>(s.direction)]) + " direction, " +
-         kDistances[static_cast<int>(s.distance)] + ", " + kAspects[static_cast<int>(s.aspect)] +
-         ", " + kMagnitudes[static_cast<int>(s.magnitude)];
+  return name_of(s.direction) + " direction, " + name_of(s.distance) + ", " + name_of(s.aspect) +
+         ", " + name_of(s.magnitude);
 }
 
 void make_children(Random& random, const Stratum& s, TestGroup& group) {
@@ -353,4 +365,4 @@ std::string describe(const Box& box) {
   return text;
 }
 
-}  // namespace a2rt::arith::testing
+}  // namespace a2rt::hard
