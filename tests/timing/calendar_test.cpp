@@ -4,15 +4,29 @@
 #include <gtest/gtest.h>
 
 #include "a2rt/timing/attribution.h"
-#include "a2rt/timing/budget.h"
 #include "mocks.h"
 
 namespace a2rt::timing::test {
 namespace {
 
+// Notes what it was woken with and when.
+class RecordingComponent final : public Component {
+ public:
+  struct Wakeup {
+    Cycles when;
+    std::uint32_t what, value;
+  };
+  void wake(Cycles now, std::uint32_t what, std::uint32_t value) override {
+    wakeups.push_back({now, what, value});
+  }
+  std::string dump() const override { return "recording component\n"; }
+  void check_drained() const override {}
+  std::vector<Wakeup> wakeups;
+};
+
 TEST(Calendar, keeps_appointments_in_order_of_time_then_of_making) {
   Calendar uut;
-  RecordingClient client;
+  RecordingComponent client;
   uut.at(Cycles{5000}, client, 0, 4);  // beyond the wheel
   uut.at(Cycles{7}, client, 0, 2);
   uut.at(Cycles{3}, client, 0, 1);
@@ -29,7 +43,7 @@ TEST(Calendar, keeps_appointments_in_order_of_time_then_of_making) {
 TEST(Calendar, an_appointment_exactly_one_wheel_ahead_is_kept_on_time) {
   for (const std::uint64_t ahead : {1023u, 1024u, 1025u, 2048u}) {
     Calendar uut;
-    RecordingClient client;
+    RecordingComponent client;
     At start(uut, Cycles{77}, [&](Cycles now) { uut.at(now + Cycles{ahead}, client, 0, 0); });
     drain(uut);
     ASSERT_EQ(client.wakeups.size(), 1u);
@@ -39,7 +53,7 @@ TEST(Calendar, an_appointment_exactly_one_wheel_ahead_is_kept_on_time) {
 
 TEST(Calendar, an_appointment_made_for_the_running_cycle_is_kept_in_it) {
   Calendar uut;
-  RecordingClient client;
+  RecordingComponent client;
   At now(uut, Cycles{9}, [&](Cycles n) { uut.at(n, client, 0, 0); });
   EXPECT_EQ(drain(uut), Cycles{9});
   EXPECT_EQ(client.wakeups.size(), 1u);
@@ -47,20 +61,10 @@ TEST(Calendar, an_appointment_made_for_the_running_cycle_is_kept_in_it) {
 
 TEST(Calendar, refuses_an_appointment_in_the_past) {
   Calendar uut;
-  RecordingClient client;
+  RecordingComponent client;
   At late(uut, Cycles{9},
           [&](Cycles) { EXPECT_THROW(uut.at(Cycles{8}, client, 0, 0), InternalError); });
   drain(uut);
-}
-
-TEST(Budget, throws_when_overspent_in_one_cycle_and_starts_afresh_in_the_next) {
-  Budget uut(2);
-  uut.spend(Cycles{4});
-  uut.spend(Cycles{4});
-  EXPECT_EQ(uut.left(Cycles{4}), 0u);
-  EXPECT_THROW(uut.spend(Cycles{4}), InternalError);
-  uut.spend(Cycles{5}, 2);
-  EXPECT_THROW(uut.spend(Cycles{4}), InternalError);
 }
 
 TEST(Attribution, a_cycle_left_out_or_booked_beyond_the_end_fails_the_check) {
@@ -69,6 +73,28 @@ TEST(Attribution, a_cycle_left_out_or_booked_beyond_the_end_fails_the_check) {
   EXPECT_NO_THROW(uut.check(Cycles{10}));
   EXPECT_THROW(uut.check(Cycles{11}), InternalError);
   EXPECT_THROW(uut.check(Cycles{9}), InternalError);
+}
+
+TEST(BusyCycles, counts_the_union_of_intervals_in_any_order) {
+  BusyCycles uut;
+  uut.mark(Cycles{10}, Cycles{20});
+  uut.mark(Cycles{5}, Cycles{12});
+  uut.mark(Cycles{30}, Cycles{140});
+  EXPECT_EQ(uut.take(Cycles{8}), 3u);
+  EXPECT_EQ(uut.take(Cycles{35}), 12u + 5u);
+  uut.mark(Cycles{20}, Cycles{40});  // its past is taken already
+  EXPECT_EQ(uut.take(Cycles{200}), 105u);
+  EXPECT_EQ(uut.take(Cycles{9000}), 0u);
+}
+
+TEST(BusyCycles, an_interval_longer_than_its_window_counts_once) {
+  BusyCycles uut;
+  uut.mark(Cycles{10}, Cycles{1'000'000});
+  uut.mark(Cycles{20}, Cycles{30});
+  EXPECT_EQ(uut.take(Cycles{25}), 15u);
+  EXPECT_EQ(uut.take(Cycles{2'000'000}), 1'000'000u - 25u);
+  uut.mark(Cycles{2'000'005}, Cycles{2'000'010});
+  EXPECT_EQ(uut.take(Cycles{2'000'020}), 5u);
 }
 
 TEST(BinnedSeries, means_survive_the_doubling_of_its_bins) {

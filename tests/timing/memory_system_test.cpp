@@ -8,17 +8,15 @@
 namespace a2rt::timing::test {
 namespace {
 
-class Sink final : public SectorSink {
+class Sink final : public LineSink {
  public:
-  explicit Sink(Calendar& calendar) : calendar_(calendar) {}
-  void fill(Cycles now, Address sector) override {
-    (void)calendar_;
-    arrived.push_back({now, sector});
+  void fill(Cycles, Cycles first, Address line, SectorMask sectors) override {
+    for_each_sector(sectors, [&](std::uint32_t s) {
+      arrived.push_back({first, line + Bytes{s * kSectorBytes}});
+      first += Cycles{1};
+    });
   }
   std::vector<std::pair<Cycles, Address>> arrived;
-
- private:
-  Calendar& calendar_;
 };
 
 struct Memory : ::testing::Test {
@@ -33,11 +31,14 @@ struct Memory : ::testing::Test {
   }
   void build() {
     uut = std::make_unique<MemorySystem>(config, calendar);
-    sink = std::make_unique<Sink>(calendar);
+    sink = std::make_unique<Sink>();
     uut->connect(0, *sink, calendar);
   }
-  void read(std::uint64_t address) {
-    uut->request(calendar.now(), 0, Address{address}, Traffic::kNode, false);
+  void read(std::uint64_t address, bool write = false) {
+    const Address a{address};
+    uut->request(calendar.now(), 0, Address{line_of(a) * kLineBytes},
+                 static_cast<SectorMask>(1u << sector_index(a)),
+                 write ? Traffic::kShader : Traffic::kNode, write);
   }
   // Cycles from now until the sector arrives, with nothing else under way.
   Cycles time(std::uint64_t address) {
@@ -152,6 +153,34 @@ TEST_F(Memory, a_stream_of_l2_hits_runs_at_one_sector_per_cycle) {
   EXPECT_EQ(sink->arrived.back().first - start, hit() + Cycles{kSectors - 1});
 }
 
+TEST_F(Memory, the_sectors_of_a_line_come_one_cycle_apart) {
+  build();
+  for (std::uint64_t s = 0; s < kSectorsPerLine; ++s) {
+    time(s * kSectorBytes);
+  }
+  const std::size_t before = sink->arrived.size();
+  const Cycles start = calendar.now();
+  uut->request(start, 0, Address{0}, 0xf, Traffic::kNode, false);
+  drain(calendar);
+  ASSERT_EQ(sink->arrived.size(), before + 4);
+  for (std::uint64_t s = 0; s < kSectorsPerLine; ++s) {
+    EXPECT_EQ(sink->arrived[before + s].first, start + hit() + Cycles{s});
+  }
+}
+
+TEST_F(Memory, a_line_half_in_l2_is_answered_in_two_parts) {
+  build();
+  time(0);
+  rest();
+  const Cycles start = calendar.now();
+  uut->request(start, 0, Address{0}, 0x3, Traffic::kNode, false);
+  drain(calendar);
+  EXPECT_EQ(sink->arrived[1].first, start + hit());
+  // The missing sector is looked up a cycle later.
+  EXPECT_EQ(sink->arrived[2].first, start + miss() + Cycles{1});
+  uut->check_drained();
+}
+
 TEST_F(Memory, two_reads_of_a_sector_in_l2_flight_cost_one_dram_read) {
   build();
   read(0);
@@ -180,7 +209,7 @@ TEST_F(Memory, an_evicted_dirty_sector_is_written_to_dram) {
   config.l2.slice_capacity = Bytes{kLineBytes};
   config.l2.ways = 1;
   build();
-  uut->request(calendar.now(), 0, Address{0}, Traffic::kShader, true);
+  read(0, true);
   drain(calendar);
   EXPECT_EQ(uut->dram_counts().writes, 0u);
   time(kLineBytes);

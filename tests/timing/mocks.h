@@ -23,51 +23,41 @@ inline Cycles drain(Calendar& calendar) {
   return calendar.now();
 }
 
-// Notes what it was woken with and when.
-class RecordingClient final : public Component {
+// Notes when its sectors are ready, by token; the last sector counts.
+class RecordingClient final : public L1Client {
  public:
-  struct Wakeup {
-    Cycles when;
-    std::uint32_t what, value;
-  };
-  void wake(Cycles now, std::uint32_t what, std::uint32_t value) override {
-    wakeups.push_back({now, what, value});
+  void arrived(Cycles, std::uint32_t token, SectorMask sectors, const SectorTimes& when) override {
+    for_each_sector(sectors,
+                    [&](std::uint32_t s) { ready[token] = std::max(ready[token], when[s]); });
   }
-  std::string dump() const override { return "recording client\n"; }
-  void check_drained() const override {}
-  // Cycle of the first wake-up with `value`; fails the test's expectation with a huge number.
-  Cycles first(std::uint32_t value) const {
-    for (const Wakeup& w : wakeups) {
-      if (w.what == kL1Data && w.value == value) {
-        return w.when;
-      }
-    }
-    return Cycles{~std::uint64_t{0}};
-  }
-  std::vector<Wakeup> wakeups;
+  void unblocked(Cycles now) override { unblocked_at.push_back(now); }
+  std::map<std::uint32_t, Cycles> ready;
+  std::vector<Cycles> unblocked_at;
 };
 
-// Answers every read after a fixed time, or keeps it until release().
+// Answers every read after a fixed time, or keeps it for ever.
 class FixedLower final : public LowerLevel, public Component {
  public:
   FixedLower(Calendar& calendar, Cycles latency) : calendar_(calendar), latency_(latency) {}
-  SectorSink* sink = nullptr;
+  LineSink* sink = nullptr;
   bool hold = false;
   struct Seen {
     Cycles leaves;
-    Address sector;
+    Address line;
+    SectorMask sectors;
     bool write;
   };
   std::vector<Seen> seen;
 
-  void request(Cycles leaves, std::uint32_t, Address sector, Traffic, bool write) override {
-    seen.push_back({leaves, sector, write});
+  void request(Cycles leaves, std::uint32_t, Address line, SectorMask sectors, Traffic,
+               bool write) override {
+    seen.push_back({leaves, line, sectors, write});
     if (!write && !hold) {
       calendar_.at(leaves + latency_, *this, 0, static_cast<std::uint32_t>(seen.size() - 1));
     }
   }
   void wake(Cycles now, std::uint32_t, std::uint32_t value) override {
-    sink->fill(now, seen[value].sector);
+    sink->fill(now, now, seen[value].line, seen[value].sectors);
   }
   std::string dump() const override { return "fixed lower level\n"; }
   void check_drained() const override {}

@@ -44,6 +44,23 @@ TEST(Pool, an_idle_tester_is_used_again_from_its_own_time_on) {
   EXPECT_EQ(uut.queued_cycles(), 1u);
 }
 
+TEST(Pool, an_earlier_request_that_comes_late_takes_the_cycles_still_free) {
+  TesterPool uut(2, Cycles{4}, Cycles{1}, ClockDomain(1, 1));
+  EXPECT_EQ(uut.issue(Cycles{10}, 3), Cycles{15});  // cycle 10 full, one left in 11
+  EXPECT_EQ(uut.issue(Cycles{8}, 6), Cycles{16});   // 8, 9 full, then 11 and 12
+  EXPECT_EQ(uut.issue(Cycles{8}, 1), Cycles{16});
+  EXPECT_EQ(uut.issue(Cycles{13}, 1), Cycles{17});
+}
+
+TEST(Pool, a_queue_of_any_length_keeps_every_start_within_the_testers) {
+  TesterPool uut(3, Cycles{1}, Cycles{1}, ClockDomain(1, 1));
+  Cycles last;
+  for (int i = 0; i < 1000; ++i) {
+    last = uut.issue(Cycles{100}, 6);
+  }
+  EXPECT_EQ(last, Cycles{100 + 6000 / 3});
+}
+
 TEST(Pool, testers_at_half_the_core_clock_take_twice_the_core_cycles) {
   TesterPool uut(1, Cycles{6}, Cycles{1}, ClockDomain(500, 1000));
   EXPECT_EQ(uut.issue(Cycles{0}, 2), Cycles{14});

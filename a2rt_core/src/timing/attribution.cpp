@@ -26,6 +26,35 @@ const char* reason_name(LaneReason reason) {
   return kNames[static_cast<std::size_t>(reason)];
 }
 
+std::uint64_t BusyCycles::take(Cycles to) {
+  std::uint64_t marked = 0;
+  std::uint64_t at = taken_.value;
+  // Beyond the window nothing is marked but long intervals.
+  const std::uint64_t stop = std::min(to.value, at + kWindow);
+  std::uint64_t in_long = 0;
+  const std::uint64_t from = std::max(taken_, long_from_).value;
+  const std::uint64_t until = std::min(to, long_until_).value;
+  in_long = until > from ? until - from : 0;
+  while (at < stop) {
+    const std::uint64_t bit = at % 64, n = std::min(64 - bit, stop - at);
+    const std::uint64_t mask = (n == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << n) - 1) << bit;
+    std::uint64_t& word = words_[at / 64 % words_.size()];
+    std::uint64_t counted = word & mask;
+    word &= ~mask;
+    if (in_long > 0) [[unlikely]] {
+      for (std::uint64_t rest = counted; rest != 0; rest &= rest - 1) {
+        const std::uint64_t cycle = at - bit + static_cast<std::uint64_t>(std::countr_zero(rest));
+        marked += cycle < from || cycle >= until;
+      }
+    } else {
+      marked += static_cast<std::uint64_t>(std::popcount(counted));
+    }
+    at += n;
+  }
+  taken_ = std::max(taken_, to);
+  return marked + in_long;
+}
+
 void BinnedSeries::add_across(Cycles from, Cycles to, std::uint64_t value) {
   while (to.value > sums_.size() << shift_) {
     for (std::size_t i = 0; i < sums_.size() / 2; ++i) {

@@ -22,9 +22,7 @@ void Calendar::pull_far() {
     std::pop_heap(far_.begin(), far_.end(), kLater);
     const Far far = far_.back();
     far_.pop_back();
-    const std::size_t bucket = far.when.value % kWheel;
-    place(bucket, far.appointment);
-    occupied_[bucket / 64] |= std::uint64_t{1} << (bucket % 64);
+    place(far.when.value % kWheel, far.appointment);
   }
 }
 
@@ -60,19 +58,23 @@ bool Calendar::step() {
     return false;
   }
   now_ = next();
-  pull_far();
-  const std::size_t index = now_.value % kWheel;
-  auto& bucket = buckets_[index];
-  // Appointments made for this very cycle while it runs are appended and kept too.
-  for (std::size_t i = 0; i < bucket.size(); ++i) {
-    const Appointment appointment = bucket[i];
-    appointment.who->wake(now_, appointment.what, appointment.value);
+  if (!far_.empty()) {
+    pull_far();
   }
-  served_ += bucket.size();
-  pending_ -= bucket.size();
-  bucket.clear();
-  spare_.push_back(std::move(bucket));
-  bucket = {};
+  const std::size_t index = now_.value % kWheel;
+  // Appointments made for this very cycle while it runs are appended and kept too.
+  std::uint32_t node = buckets_[index].first;
+  while (node != kNil) {
+    const Appointment appointment = nodes_[node].appointment;
+    appointment.who->wake(now_, appointment.what, appointment.value);
+    ++served_;
+    --pending_;
+    const std::uint32_t kept = node;
+    node = nodes_[node].next;
+    nodes_[kept].next = free_;
+    free_ = kept;
+  }
+  buckets_[index] = {};
   occupied_[index / 64] &= ~(std::uint64_t{1} << (index % 64));
   return true;
 }

@@ -2,34 +2,76 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace a2rt::timing {
+namespace {
 
-L1Cache::L1Cache(const L1Config& config, Calendar& calendar, LowerLevel& lower, std::uint32_t sm)
+Address sector_address(Address line, std::uint32_t sector) {
+  return line + Bytes{sector * kSectorBytes};
+}
+
+// The lowest `n` sectors of the mask.
+SectorMask lowest(SectorMask mask, std::uint32_t n) {
+  SectorMask kept = 0;
+  for (; n > 0 && mask != 0; --n) {
+    kept = static_cast<SectorMask>(kept | (mask & -mask));
+    mask = static_cast<SectorMask>(mask & (mask - 1));
+  }
+  return kept;
+}
+
+}  // namespace
+
+L1Cache::L1Cache(const L1Config& config, LowerLevel& lower, std::uint32_t sm)
     : config_(config),
-      calendar_(calendar),
       lower_(lower),
       sm_(sm),
       tags_(config.capacity, config.ways, "l1"),
-      banks_(config.banks, Budget(1)),
-      mshrs_(config.mshrs),
-      buckets_(1024, kNil) {
-  for (std::uint32_t i = 0; i < config.mshrs; ++i) {
-    mshrs_[i].next = i + 1 < config.mshrs ? i + 1 : kNil;
-  }
-  free_mshr_ = 0;
+      banks_(config.banks),
+      buckets_(512, kNil) {
   bank_mask_ = std::has_single_bit(config.banks) ? config.banks - 1 : 0;
 }
 
-std::uint32_t L1Cache::find_mshr(Address sector) const {
-  std::uint32_t index = buckets_[bucket(sector)];
-  while (index != kNil && mshrs_[index].sector != sector) {
-    index = mshrs_[index].next;
+Cycles L1Cache::enter(Cycles now, Port& port, Address sector) {
+  const std::uint64_t index = sector.value / kSectorBytes;
+  Bank& bank =
+      banks_[bank_mask_ != 0 || banks_.size() == 1 ? index & bank_mask_ : index % banks_.size()];
+  const Cycles wanted = port.next(now);
+  Cycles at = wanted;
+  // Bank and port may free each other's cycle only later: until both agree.
+  for (Cycles free = bank.next(now, at); free != at; free = bank.next(now, at)) {
+    at = port.next(free);
+  }
+  counts_.bank_conflicts += at.value - wanted.value;
+  bank.take(at);
+  port.use(at);
+  return at;
+}
+
+std::uint32_t L1Cache::find(std::uint64_t line) const {
+  std::uint32_t index = buckets_[bucket(line)];
+  while (index != kNil && pending_[index].line != line) {
+    index = pending_[index].next;
   }
   return index;
 }
 
-void L1Cache::add_waiter(Mshr& mshr, Component& client, std::uint32_t token, Cycles earliest) {
+std::uint32_t L1Cache::obtain(std::uint64_t line, Traffic kind) {
+  std::uint32_t index = free_pending_;
+  if (index == kNil) {
+    index = static_cast<std::uint32_t>(pending_.size());
+    pending_.push_back({});
+  } else {
+    free_pending_ = pending_[index].next;
+  }
+  std::uint32_t& head = buckets_[bucket(line)];
+  pending_[index] = {line, kNil, kNil, head, {}, 0, kind};
+  head = index;
+  return index;
+}
+
+void L1Cache::add_waiter(Pending& pending, const Waiter& waiter) {
   std::uint32_t index = free_waiter_;
   if (index == kNil) {
     index = static_cast<std::uint32_t>(waiters_.size());
@@ -38,131 +80,172 @@ void L1Cache::add_waiter(Mshr& mshr, Component& client, std::uint32_t token, Cyc
     free_waiter_ = waiters_[index].next;
   }
   ++waiters_used_;
-  waiters_[index] = {&client, token, kNil, earliest};
-  if (mshr.first == kNil) {
-    mshr.first = index;
-  } else {
-    waiters_[mshr.last].next = index;
-  }
-  mshr.last = index;
+  waiters_[index] = waiter;
+  (pending.first == kNil ? pending.first : waiters_[pending.last].next) = index;
+  pending.last = index;
 }
 
-void L1Cache::wait_for_mshr(Component& client) {
-  ++counts_.mshr_full;
-  if (std::find(turned_away_.begin(), turned_away_.end(), &client) == turned_away_.end()) {
-    turned_away_.push_back(&client);
+SectorMask L1Cache::take_misses(std::uint32_t& index, Address line, SectorMask sectors,
+                                Traffic kind) {
+  SectorMask merging = 0;
+  if (index != kNil) {
+    const Pending& pending = pending_[index];
+    for_each_sector(static_cast<SectorMask>(sectors & pending.sectors), [&](std::uint32_t s) {
+      if (pending.merged[s] < config_.merges) {
+        merging = static_cast<SectorMask>(merging | 1u << s);
+      }
+    });
   }
+  const auto known = index == kNil ? SectorMask{0} : pending_[index].sectors;
+  const SectorMask added =
+      lowest(static_cast<SectorMask>(sectors & ~known), config_.mshrs - mshrs_used_);
+  const auto taken = static_cast<SectorMask>(merging | added);
+  if (taken == 0) {
+    return 0;
+  }
+  if (index == kNil) {
+    index = obtain(line_of(line), kind);
+  }
+  Pending& pending = pending_[index];
+  for_each_sector(taken, [&](std::uint32_t s) { ++pending.merged[s]; });
+  pending.sectors = static_cast<SectorMask>(pending.sectors | added);
+  mshrs_used_ += sectors_in(added);
+  counts_.merges[static_cast<std::size_t>(kind)] += sectors_in(merging);
+  counts_.misses[static_cast<std::size_t>(kind)] += sectors_in(added);
+  return taken;
 }
 
-L1Cache::Reply L1Cache::read(Cycles now, Address sector, Traffic kind, Component& client,
-                             std::uint32_t token) {
-  const auto k = static_cast<std::size_t>(kind);
-  Budget& bank = bank_of(sector);
-  if (bank.left(now) == 0) {
-    ++counts_.bank_conflicts;
-    return Reply::kBankBusy;
-  }
-  const Cycles ready = now + config_.latency;
-  if (tags_.touch(sector)) {
-    bank.spend(now);
-    ++counts_.reads[k];
-    ++counts_.hits[k];
-    calendar_.at(ready, client, kL1Data, token);
-    return Reply::kAccepted;
-  }
-  if (const std::uint32_t pending = find_mshr(sector); pending != kNil) {
-    Mshr& mshr = mshrs_[pending];
-    if (mshr.merged >= config_.merges) {
-      wait_for_mshr(client);
-      return Reply::kMshrFull;
+L1Cache::Lookup L1Cache::read(Cycles now, Port& port, Address line, SectorMask sectors,
+                              Traffic kind, L1Client& client, std::uint32_t token) {
+  Lookup result;
+  const SectorMask valid = tags_.touch(line, sectors);
+  const auto missing = static_cast<SectorMask>(sectors & ~valid);
+  std::uint32_t index = kNil;
+  SectorMask known = 0, taken = 0;
+  if (missing != 0) {
+    index = find(line_of(line));
+    known = index == kNil ? SectorMask{0} : pending_[index].sectors;
+    taken = take_misses(index, line, missing, kind);
+    if (taken != missing) {
+      result.mshrs_full = true;
+      ++counts_.mshr_full;
+      if (std::find(turned_away_.begin(), turned_away_.end(), &client) == turned_away_.end()) {
+        turned_away_.push_back(&client);
+      }
     }
-    bank.spend(now);
-    ++mshr.merged;
-    ++counts_.reads[k];
-    ++counts_.merges[k];
-    add_waiter(mshr, client, token, ready);
-    return Reply::kAccepted;
   }
-  if (free_mshr_ == kNil) {
-    wait_for_mshr(client);
-    return Reply::kMshrFull;
+  result.accepted = static_cast<SectorMask>(valid | taken);
+  result.hits = valid;
+  Cycles first_miss, last;
+  const auto fresh = static_cast<SectorMask>(taken & ~known);
+  for_each_sector(result.accepted, [&](std::uint32_t s) {
+    const Cycles at = enter(now, port, sector_address(line, s));
+    result.ready[s] = last = at + config_.latency;
+    if ((fresh >> s & 1) != 0 && first_miss == Cycles{0}) {
+      first_miss = last;
+    }
+  });
+  counts_.reads[static_cast<std::size_t>(kind)] += sectors_in(result.accepted);
+  counts_.hits[static_cast<std::size_t>(kind)] += sectors_in(valid);
+  if (taken != 0) {
+    add_waiter(pending_[index], {&client, token, kNil, last, taken});
   }
-  bank.spend(now);
-  ++counts_.reads[k];
-  ++counts_.misses[k];
-  const std::uint32_t index = free_mshr_;
-  Mshr& mshr = mshrs_[index];
-  free_mshr_ = mshr.next;
-  ++mshrs_used_;
-  mshr = {sector, kNil, kNil, buckets_[bucket(sector)], 1, kind};
-  buckets_[bucket(sector)] = index;
-  add_waiter(mshr, client, token, ready);
-  lower_.request(ready, sm_, sector, kind, false);
-  return Reply::kAccepted;
+  if (fresh != 0) {
+    lower_.request(first_miss, sm_, line, fresh, kind, false);
+  }
+  return result;
 }
 
-L1Cache::Reply L1Cache::write(Cycles now, Address sector, Traffic kind) {
-  Budget& bank = bank_of(sector);
-  if (bank.left(now) == 0) {
-    ++counts_.bank_conflicts;
-    return Reply::kBankBusy;
-  }
-  bank.spend(now);
-  ++counts_.writes[static_cast<std::size_t>(kind)];
+void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind) {
+  Cycles first;
+  for_each_sector(sectors, [&](std::uint32_t s) {
+    const Cycles at = enter(now, port, sector_address(line, s));
+    first = first == Cycles{0} ? at + config_.latency : first;
+  });
+  counts_.writes[static_cast<std::size_t>(kind)] += sectors_in(sectors);
   if (kind == Traffic::kStack) {
-    insert(now, sector, kind, true);
+    insert(now, line, sectors, kind, true);
   } else {
     // Valid copies take the new data on the way down, so their state does not change.
-    lower_.request(now + config_.latency, sm_, sector, kind, true);
+    lower_.request(first, sm_, line, sectors, kind, true);
   }
-  return Reply::kAccepted;
 }
 
-void L1Cache::insert(Cycles now, Address sector, Traffic kind, bool dirty) {
-  const auto victim = tags_.insert(now, sector, kind, dirty);
+void L1Cache::insert(Cycles now, Address line, SectorMask sectors, Traffic kind, bool dirty) {
+  const auto victim = tags_.insert(now, line, sectors, kind, dirty);
   if (!victim) {
     return;
   }
   ++counts_.evictions;
-  for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-    if (victim->dirty >> s & 1) {
-      ++counts_.written_back;
-      lower_.request(now, sm_, Address{victim->line * kLineBytes + s * kSectorBytes},
-                     victim->kinds[s], true);
+  counts_.written_back += sectors_in(victim->dirty);
+  for_each_sector(victim->dirty, [&](std::uint32_t s) {
+    lower_.request(now, sm_, Address{victim->line * kLineBytes}, static_cast<SectorMask>(1u << s),
+                   victim->kinds[s], true);
+  });
+}
+
+// Tells every waiter which of its sectors came, and when. Clients only note it; they read again in
+// their own time.
+void L1Cache::answer(Cycles now, Cycles first, Pending& pending, SectorMask sectors) {
+  SectorTimes arrives{};
+  std::uint64_t i = 0;
+  for_each_sector(sectors, [&](std::uint32_t s) { arrives[s] = first + Cycles{i++}; });
+  std::uint32_t* link = &pending.first;
+  pending.last = kNil;
+  while (*link != kNil) {
+    const std::uint32_t index = *link;
+    const Waiter w = waiters_[index];
+    const auto got = static_cast<SectorMask>(w.wanted & sectors);
+    waiters_[index].wanted = static_cast<SectorMask>(w.wanted & ~got);
+    if (waiters_[index].wanted == 0) {
+      *link = w.next;
+      waiters_[index].next = free_waiter_;
+      free_waiter_ = index;
+      --waiters_used_;
+    } else {
+      pending.last = index;
+      link = &waiters_[index].next;
+    }
+    if (got != 0) {
+      SectorTimes ready = arrives;
+      for_each_sector(got, [&](std::uint32_t s) { ready[s] = std::max(ready[s], w.earliest); });
+      w.client->arrived(now, w.token, got, ready);
     }
   }
 }
 
-void L1Cache::fill(Cycles now, Address sector) {
-  const std::uint32_t index = find_mshr(sector);
-  A2RT_CHECK(index != kNil, "L1 was sent a sector it did not ask for");
-  Mshr& mshr = mshrs_[index];
-  std::uint32_t* link = &buckets_[bucket(sector)];
-  while (*link != index) {
-    link = &mshrs_[*link].next;
-  }
-  *link = mshr.next;
-  ++counts_.fills;
+void L1Cache::fill(Cycles now, Cycles first, Address line, SectorMask sectors) {
+  const std::uint32_t index = find(line_of(line));
+  A2RT_CHECK(index != kNil && (pending_[index].sectors & sectors) == sectors,
+             "L1 was sent a sector it did not ask for");
+  Pending& pending = pending_[index];
+  counts_.fills += sectors_in(sectors);
+  mshrs_used_ -= sectors_in(sectors);
   // A spill written meanwhile is newer than what comes from below.
-  if (!tags_.contains(sector)) {
-    insert(now, sector, mshr.kind, false);
+  const auto fresh = static_cast<SectorMask>(sectors & ~tags_.valid(line));
+  if (fresh != 0) {
+    insert(now, line, fresh, pending.kind, false);
   }
-  std::uint32_t waiter = mshr.first;
-  mshr.next = free_mshr_;
-  free_mshr_ = index;
-  --mshrs_used_;
-  while (waiter != kNil) {
-    const Waiter w = waiters_[waiter];
-    waiters_[waiter].next = free_waiter_;
-    free_waiter_ = waiter;
-    --waiters_used_;
-    waiter = w.next;
-    calendar_.at(std::max(now, w.earliest), *w.client, kL1Data, w.token);
+  pending.sectors = static_cast<SectorMask>(pending.sectors & ~sectors);
+  for_each_sector(sectors, [&](std::uint32_t s) { pending.merged[s] = 0; });
+  answer(now, first, pending, sectors);
+  if (pending.sectors == 0) {
+    A2RT_CHECK(pending.first == kNil, "L1 reads wait for a sector that nobody fetches");
+    std::uint32_t* link = &buckets_[bucket(pending.line)];
+    while (*link != index) {
+      link = &pending_[*link].next;
+    }
+    *link = pending.next;
+    pending.next = free_pending_;
+    free_pending_ = index;
   }
-  for (Component* client : turned_away_) {
-    calendar_.at(now, *client, kL1Unblocked);
+  if (!turned_away_.empty()) {
+    std::vector<L1Client*> again;
+    again.swap(turned_away_);
+    for (L1Client* client : again) {
+      client->unblocked(now);
+    }
   }
-  turned_away_.clear();
 }
 
 std::string L1Cache::dump() const {
@@ -170,10 +253,10 @@ std::string L1Cache::dump() const {
                      std::to_string(config_.mshrs) + " MSHRs in use, " +
                      std::to_string(waiters_used_) + " reads waiting\n";
   std::uint32_t shown = 0;
-  for (std::uint32_t head : buckets_) {
-    for (std::uint32_t i = head; i != kNil && shown < 8; i = mshrs_[i].next, ++shown) {
-      text += "  waits for sector " + std::to_string(mshrs_[i].sector.value) + " (" +
-              std::to_string(mshrs_[i].merged) + " reads)\n";
+  for (const std::uint32_t head : buckets_) {
+    for (std::uint32_t i = head; i != kNil && shown < 8; i = pending_[i].next, ++shown) {
+      text += "  waits for " + std::to_string(sectors_in(pending_[i].sectors)) +
+              " sectors of line " + std::to_string(pending_[i].line) + "\n";
     }
   }
   return text;

@@ -46,20 +46,18 @@ void MemorySystem::release(std::uint32_t index) {
   free_ = index;
 }
 
-void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address sector, Traffic kind,
-                           bool write) {
+void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address line, SectorMask sectors,
+                           Traffic kind, bool write) {
   const std::uint64_t step = config_.l2.interleave.value;
-  const std::uint64_t chunk = sector.value / step;
+  const std::uint64_t chunk = line.value / step;
   const std::uint32_t index = allocate();
-  Request& r = requests_[index];
-  r = {sector, chunk / slices_.size() * step + sector.value % step,
-       sm,     static_cast<std::uint32_t>(chunk % slices_.size()),
-       kNil,   kind,
-       write,  false,
-       false};
+  requests_[index] = {line,    chunk / slices_.size() * step + line.value % step,
+                      sm,      static_cast<std::uint32_t>(chunk % slices_.size()),
+                      kNil,    kind,
+                      sectors, write};
   const Cycles sent = std::max(leaves, sm_out_free_[sm]);
-  sm_out_free_[sm] = sent + Cycles{1};
-  crossbar_sectors_ += write;
+  sm_out_free_[sm] = sent + Cycles{sectors_in(sectors)};
+  crossbar_sectors_ += write ? sectors_in(sectors) : 0;
   calendar_.at(sent + config_.l2.crossbar_latency, *this, kAtSlice, index);
 }
 
@@ -69,30 +67,14 @@ void MemorySystem::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
     return;
   }
   calendar_.progress();
-  Request& r = requests_[value];
+  const Request& r = requests_[value];
   switch (what) {
-    case kAtSlice: {
-      Slice& slice = slices_[r.slice];
-      const Cycles start = std::max(l2_clock_.from_core(now), slice.lookup_free);
-      slice.lookup_free = start + Cycles{1};
-      ++slice_busy_;
-      const Cycles core = l2_clock_.to_core(start);
-      if (core > now) {
-        calendar_.at(core, *this, kLookup, value);
-      } else {
-        lookup(now, value);
-      }
+    case kAtSlice:
+      at_slice(now, value);
       break;
-    }
-    case kLookup: {
-      Slice& slice = slices_[r.slice];
-      lookup(now, value);
-      // A request that had waited for an MSHR and then needed none leaves it to the next.
-      if (slice.mshrs_used < config_.l2.mshrs && !slice.blocked.empty()) {
-        wake_blocked(now, slice);
-      }
+    case kLookAgain:
+      look_again(now, value);
       break;
-    }
     case kAtDram:
       ++dram_reads_[static_cast<std::size_t>(r.kind)];
       channels_[r.slice / config_.l2.slices_per_channel]->enqueue(
@@ -110,48 +92,68 @@ void MemorySystem::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
 }
 
 void MemorySystem::deliver(Cycles now, std::uint32_t index) {
-  Request& r = requests_[index];
-  Cycles& port = sm_in_free_[r.sm];
-  Calendar& calendar = *sm_calendars_[r.sm];
-  calendar.progress();
-  if (!r.refill && now < port) {
-    r.refill = true;  // comes again in the cycle kept free for it
-    calendar.at(port, *this, kAtSm, index);
-    port += Cycles{1};
-    return;
-  }
-  if (!r.refill) {
-    port = now + Cycles{1};
-  }
+  const Request& r = requests_[index];
   const std::uint32_t sm = r.sm;
-  const Address sector = r.sector;
+  const Address line = r.line;
+  const SectorMask sectors = r.sectors;
   release(index);
-  ++crossbar_sectors_;
-  sinks_[sm]->fill(now, sector);
+  sm_calendars_[sm]->progress();
+  const Cycles first = std::max(now, sm_in_free_[sm]);
+  sm_in_free_[sm] = first + Cycles{sectors_in(sectors)};
+  crossbar_sectors_ += sectors_in(sectors);
+  sinks_[sm]->fill(now, first, line, sectors);
 }
 
-void MemorySystem::lookup(Cycles now, std::uint32_t index) {
+// The slice serves in order of arrival, so the outcome is known now and its time can be told.
+void MemorySystem::at_slice(Cycles now, std::uint32_t index) {
   Request& r = requests_[index];
   Slice& slice = slices_[r.slice];
+  const std::uint32_t n = sectors_in(r.sectors);
+  const Cycles start = std::max(l2_clock_.from_core(now), slice.lookup_free);
+  slice.lookup_free = start + Cycles{n};
+  slice_busy_ += n;
   const auto kind = static_cast<std::size_t>(r.kind);
   if (r.write) {
-    ++l2_counts_.writes[kind];
-    insert(now, slice, r.slice, r.local, r.kind, true);
+    l2_counts_.writes[kind] += n;
+    insert(now, r.slice, r.local, r.sectors, r.kind, true);
     release(index);
     return;
   }
-  if (!r.waited_for_mshr) {
-    ++l2_counts_.reads[kind];
+  l2_counts_.reads[kind] += n;
+  const SectorMask hits = slice.tags.touch(Address{r.local}, r.sectors);
+  l2_counts_.hits[kind] += sectors_in(hits);
+  const Cycles core = l2_clock_.to_core(start);
+  if (hits != r.sectors) {
+    split(core, index, hits);
+  } else {
+    respond(core + config_.l2.latency, index);
   }
-  if (slice.tags.touch(Address{r.local})) {
-    ++l2_counts_.hits[kind];
-    respond(now + config_.l2.latency, index);
-    return;
-  }
-  miss(now, index);
 }
 
-void MemorySystem::miss(Cycles now, std::uint32_t index) {
+// Hits go back together; every missing sector becomes a request of its own.
+void MemorySystem::split(Cycles start, std::uint32_t index, SectorMask hits) {
+  const Request whole = requests_[index];
+  if (hits != 0) {
+    requests_[index].sectors = hits;
+    respond(start + config_.l2.latency, index);
+  } else {
+    release(index);
+  }
+  std::uint64_t position = 0;
+  for_each_sector(whole.sectors, [&](std::uint32_t s) {
+    const Cycles own_start = start + Cycles{position++};
+    if (hits >> s & 1) {
+      return;
+    }
+    const std::uint32_t part = allocate();
+    requests_[part] = whole;
+    requests_[part].sectors = static_cast<SectorMask>(1u << s);
+    requests_[part].local = whole.local + s * kSectorBytes;
+    miss(own_start, part);
+  });
+}
+
+void MemorySystem::miss(Cycles start, std::uint32_t index) {
   Request& r = requests_[index];
   Slice& slice = slices_[r.slice];
   const auto kind = static_cast<std::size_t>(r.kind);
@@ -169,7 +171,6 @@ void MemorySystem::miss(Cycles now, std::uint32_t index) {
   }
   if (slice.mshrs_used == config_.l2.mshrs) {
     ++l2_counts_.mshr_full;
-    r.waited_for_mshr = true;
     slice.blocked.push_back(index);
     return;
   }
@@ -177,36 +178,51 @@ void MemorySystem::miss(Cycles now, std::uint32_t index) {
   ++slice.mshrs_used;
   r.next = head;
   head = index;
-  calendar_.at(now + config_.l2.latency + config_.dram.extra_latency, *this, kAtDram, index);
+  calendar_.at(start + config_.l2.latency + config_.dram.extra_latency, *this, kAtDram, index);
+}
+
+// A miss that had waited for an MSHR; its sector may have come meanwhile.
+void MemorySystem::look_again(Cycles now, std::uint32_t index) {
+  const Request& r = requests_[index];
+  Slice& slice = slices_[r.slice];
+  if (slice.tags.touch(Address{r.local}, r.sectors) != 0) {
+    ++l2_counts_.hits[static_cast<std::size_t>(r.kind)];
+    respond(now + config_.l2.latency, index);
+  } else {
+    miss(now, index);
+  }
+  // A request that had waited for an MSHR and then needed none leaves it to the next.
+  if (slice.mshrs_used < config_.l2.mshrs && !slice.blocked.empty()) {
+    wake_blocked(now, slice);
+  }
 }
 
 void MemorySystem::respond(Cycles ready, std::uint32_t index) {
-  Slice& slice = slices_[requests_[index].slice];
+  const Request& r = requests_[index];
+  Slice& slice = slices_[r.slice];
   const Cycles sent = std::max(ready, slice.out_free);
-  slice.out_free = sent + Cycles{1};
-  sm_calendars_[requests_[index].sm]->at(sent + config_.l2.crossbar_latency, *this, kAtSm, index);
+  slice.out_free = sent + Cycles{sectors_in(r.sectors)};
+  sm_calendars_[r.sm]->at(sent + config_.l2.crossbar_latency, *this, kAtSm, index);
 }
 
-void MemorySystem::insert(Cycles now, Slice& slice, std::uint32_t slice_index, std::uint64_t local,
+void MemorySystem::insert(Cycles now, std::uint32_t slice, std::uint64_t local, SectorMask sectors,
                           Traffic kind, bool dirty) {
-  const auto victim = slice.tags.insert(now, Address{local}, kind, dirty);
+  const auto victim = slices_[slice].tags.insert(now, Address{local}, sectors, kind, dirty);
   if (!victim) {
     return;
   }
   ++l2_counts_.evictions;
-  for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-    if (victim->dirty >> s & 1) {
-      ++l2_counts_.written_back;
-      const std::uint32_t index = allocate();
-      Request& r = requests_[index];
-      r = {};
-      r.local = victim->line * kLineBytes + s * kSectorBytes;
-      r.slice = slice_index;
-      r.kind = victim->kinds[s];
-      r.write = true;
-      calendar_.at(now + config_.dram.extra_latency, *this, kWriteAtDram, index);
-    }
-  }
+  l2_counts_.written_back += sectors_in(victim->dirty);
+  for_each_sector(victim->dirty, [&](std::uint32_t s) {
+    const std::uint32_t index = allocate();
+    Request& r = requests_[index];
+    r = {};
+    r.local = victim->line * kLineBytes + s * kSectorBytes;
+    r.slice = slice;
+    r.kind = victim->kinds[s];
+    r.write = true;
+    calendar_.at(now + config_.dram.extra_latency, *this, kWriteAtDram, index);
+  });
 }
 
 std::uint64_t MemorySystem::channel_local(std::uint32_t slice, std::uint64_t local) const {
@@ -227,7 +243,7 @@ void MemorySystem::dram_done(Cycles now, std::uint32_t tag) {
   --slice.mshrs_used;
   ++l2_counts_.fills;
   if (!slice.tags.contains(Address{local})) {
-    insert(now, slice, slice_index, local, requests_[tag].kind, false);
+    insert(now, slice_index, local, requests_[tag].sectors, requests_[tag].kind, false);
   }
   for (std::uint32_t i = tag; i != kNil;) {
     const std::uint32_t next = merged_[i];
@@ -242,7 +258,7 @@ void MemorySystem::dram_done(Cycles now, std::uint32_t tag) {
 void MemorySystem::wake_blocked(Cycles now, Slice& slice) {
   const std::uint32_t waiting = slice.blocked.front();
   slice.blocked.pop_front();
-  calendar_.at(now, *this, kLookup, waiting);
+  calendar_.at(now, *this, kLookAgain, waiting);
 }
 
 DramCounts MemorySystem::dram_counts() const {

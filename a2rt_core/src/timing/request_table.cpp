@@ -1,5 +1,6 @@
 #include "a2rt/timing/request_table.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "a2rt/base/error.h"
@@ -11,11 +12,28 @@ RequestTable::RequestTable() {
   buckets_.fill(kNil);
 }
 
-std::uint16_t RequestTable::obtain(std::uint64_t line, Traffic kind) {
-  std::uint16_t& head = buckets_[bucket(line)];
-  for (std::uint16_t i = head; i != kNil; i = entries_[i].hash_next) {
-    if (entries_[i].line == line) {
-      return i;
+void RequestTable::clear() {
+  A2RT_CHECK(live_ == 0, "requests of a warp that has ended are under way");
+  entries_.clear();
+  buckets_.fill(kNil);
+  free_ = first_ = last_ = kNil;
+}
+
+// Finds the line's entry or makes one. Entries whose data has come are dropped on the way.
+std::uint16_t RequestTable::obtain(Cycles now, std::uint64_t line, Traffic kind) {
+  std::uint16_t* link = &buckets_[bucket(line)];
+  while (*link != kNil) {
+    const std::uint16_t index = *link;
+    Entry& entry = entries_[index];
+    if (entry.line == line) {
+      return index;
+    }
+    if (!entry.busy() && entry.known <= now) {
+      *link = entry.hash_next;
+      entry.hash_next = free_;
+      free_ = index;
+    } else {
+      link = &entry.hash_next;
     }
   }
   std::uint16_t index = free_;
@@ -23,6 +41,10 @@ std::uint16_t RequestTable::obtain(std::uint64_t line, Traffic kind) {
     A2RT_CHECK(entries_.size() < kNil / 4, "a warp asks for more lines than a token can name");
     index = static_cast<std::uint16_t>(entries_.size());
     entries_.emplace_back();
+    link = &buckets_[bucket(line)];
+    while (*link != kNil) {
+      link = &entries_[*link].hash_next;
+    }
   } else {
     free_ = entries_[index].hash_next;
   }
@@ -30,77 +52,101 @@ std::uint16_t RequestTable::obtain(std::uint64_t line, Traffic kind) {
   entry.line = line;
   entry.lanes = {};
   entry.kind = kind;
-  entry.hash_next = head;
-  head = index;
-  ++live_;
+  entry.arriving = 0;
+  entry.hash_next = kNil;
+  *link = index;
   return index;
 }
 
-std::uint32_t RequestTable::add(std::uint32_t lane, Address address, std::uint32_t bytes,
-                                Traffic kind) {
+void RequestTable::add_line(Cycles now, std::uint32_t lane, std::uint16_t index, SectorMask wanted,
+                            Added& added) {
+  Entry& entry = entries_[index];
+  if (entry.known <= now) {
+    entry.arriving = 0;
+  }
+  const bool was_busy = entry.busy(), was_queued = entry.to_send != 0;
+  const auto coming = static_cast<SectorMask>(wanted & entry.arriving);
+  if (coming != 0) {
+    added.ready = std::max(added.ready, entry.known);
+    added.sectors += sectors_in(coming);
+  }
+  const std::uint32_t bit = 1u << lane;
+  bool waited = false, waits = false;
+  for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
+    waited |= (entry.lanes[s] & bit) != 0;
+    if ((wanted & ~coming) >> s & 1) {
+      waits = true;
+      added.sectors += (entry.lanes[s] & bit) == 0;
+      entry.lanes[s] |= bit;
+    }
+  }
+  added.lines += waits && !waited;
+  entry.to_send = static_cast<SectorMask>(entry.to_send | (wanted & ~(coming | entry.in_flight)));
+  if (!was_queued && entry.to_send != 0) {
+    entry.queue_next = kNil;
+    (first_ == kNil ? first_ : entries_[last_].queue_next) = index;
+    last_ = index;
+  }
+  live_ += !was_busy && entry.busy();
+}
+
+RequestTable::Added RequestTable::add(Cycles now, std::uint32_t lane, Address address,
+                                      std::uint32_t bytes, Traffic kind) {
   const std::uint64_t first = address.value / kSectorBytes;
   const std::uint64_t last = (address.value + bytes - 1) / kSectorBytes;
-  std::uint32_t added = 0;
+  Added added;
   for (std::uint64_t line = first / kSectorsPerLine; line <= last / kSectorsPerLine; ++line) {
     const std::uint64_t base = line * kSectorsPerLine;
     const std::uint64_t from = first > base ? first - base : 0;
-    const std::uint64_t to = last < base + kSectorsPerLine - 1 ? last - base : kSectorsPerLine - 1;
-    const std::uint16_t index = obtain(line, kind);
-    Entry& entry = entries_[index];
-    const bool queued = entry.to_send != 0;
-    for (std::uint64_t s = from; s <= to; ++s) {
-      // Two records of one read may share a sector; the lane waits for it once.
-      added += (entry.lanes[s] >> lane & 1) == 0;
-      entry.lanes[s] |= 1u << lane;
-      if ((entry.in_flight >> s & 1) == 0) {
-        entry.to_send = static_cast<std::uint8_t>(entry.to_send | 1u << s);
-      }
-    }
-    if (!queued && entry.to_send != 0) {
-      entry.queue_next = kNil;
-      (first_ == kNil ? first_ : entries_[last_].queue_next) = index;
-      last_ = index;
-    }
+    const std::uint64_t to = std::min<std::uint64_t>(last - base, kSectorsPerLine - 1);
+    const auto wanted = static_cast<SectorMask>((2u << to) - (1u << from));
+    add_line(now, lane, obtain(now, line, kind), wanted, added);
   }
   return added;
 }
 
 RequestTable::Next RequestTable::next() const {
   const Entry& entry = entries_[first_];
-  const auto s = static_cast<std::uint32_t>(std::countr_zero(entry.to_send));
-  return {Address{entry.line * kLineBytes + s * kSectorBytes}, entry.kind,
-          static_cast<std::uint32_t>(first_) * kSectorsPerLine + s};
+  return {Address{entry.line * kLineBytes}, entry.to_send, entry.kind, first_};
 }
 
-void RequestTable::sent() {
+void RequestTable::sent(SectorMask accepted) {
   Entry& entry = entries_[first_];
-  const auto bit = static_cast<std::uint8_t>(entry.to_send & -entry.to_send);
-  entry.to_send = static_cast<std::uint8_t>(entry.to_send & ~bit);
-  entry.in_flight = static_cast<std::uint8_t>(entry.in_flight | bit);
+  entry.to_send = static_cast<SectorMask>(entry.to_send & ~accepted);
+  entry.in_flight = static_cast<SectorMask>(entry.in_flight | accepted);
   if (entry.to_send == 0) {
     first_ = entry.queue_next;
   }
 }
 
-std::uint32_t RequestTable::arrived(std::uint32_t token) {
-  const auto index = static_cast<std::uint16_t>(token / kSectorsPerLine);
-  const std::uint32_t s = token % kSectorsPerLine;
-  Entry& entry = entries_[index];
-  A2RT_CHECK(entry.in_flight >> s & 1, "data came for a sector that was not under way");
-  entry.in_flight = static_cast<std::uint8_t>(entry.in_flight & ~(1u << s));
-  const std::uint32_t lanes = entry.lanes[s];
-  entry.lanes[s] = 0;
-  if (entry.in_flight == 0 && entry.to_send == 0) {
-    std::uint16_t* link = &buckets_[bucket(entry.line)];
-    while (*link != index) {
-      link = &entries_[*link].hash_next;
+void RequestTable::arrived(std::uint32_t token, SectorMask sectors, const SectorTimes& ready,
+                           std::vector<Arrival>& out) {
+  Entry& entry = entries_[token];
+  A2RT_CHECK((entry.in_flight & sectors) == sectors,
+             "data came for a sector that was not under way");
+  entry.in_flight = static_cast<SectorMask>(entry.in_flight & ~sectors);
+  std::array<std::uint32_t, kSectorsPerLine> lanes{};
+  std::uint32_t waiting = 0;
+  for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
+    if (sectors >> s & 1) {
+      lanes[s] = entry.lanes[s];
+      entry.lanes[s] = 0;
+      entry.known = entry.arriving == 0 ? ready[s] : std::max(entry.known, ready[s]);
+      entry.arriving = static_cast<SectorMask>(entry.arriving | 1u << s);
+    } else {
+      waiting |= entry.lanes[s];
     }
-    *link = entry.hash_next;
-    entry.hash_next = free_;
-    free_ = index;
-    --live_;
   }
-  return lanes;
+  live_ -= !entry.busy();
+  // Sectors come in ascending order, so a lane's last one is the highest it wanted.
+  std::uint32_t told = 0;
+  for (std::uint32_t s = kSectorsPerLine; s-- > 0;) {
+    for (std::uint32_t rest = lanes[s] & ~told; rest != 0; rest &= rest - 1) {
+      const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
+      out.push_back({lane, ready[s], (waiting >> lane & 1) == 0});
+    }
+    told |= lanes[s];
+  }
 }
 
 }  // namespace a2rt::timing

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace a2rt::timing {
 namespace {
@@ -11,6 +12,25 @@ namespace {
 std::uint32_t share(std::uint32_t total, std::uint32_t index, std::uint32_t units) {
   return total / units + (index < total % units ? 1 : 0);
 }
+
+// The tester an event goes to; kCount if it is not a test.
+constexpr auto kTesterOf = [] {
+  std::array<Tester, static_cast<std::size_t>(EventKind::kCount)> testers{};
+  testers.fill(Tester::kCount);
+  const auto set = [&](EventKind kind, Tester tester) {
+    testers[static_cast<std::size_t>(kind)] = tester;
+  };
+  set(EventKind::kBoxTest, Tester::kBox);
+  set(EventKind::kQBoxTest, Tester::kQBox);
+  set(EventKind::kTriangleTest, Tester::kTriangle);
+  set(EventKind::kRaySetup, Tester::kSetup);
+  set(EventKind::kQuantizeRay, Tester::kQuantizer);
+  set(EventKind::kAnchorTest, Tester::kAnchor);
+  set(EventKind::kUpdate, Tester::kUpdate);
+  set(EventKind::kDequantize, Tester::kDequantize);
+  set(EventKind::kTransform, Tester::kTransform);
+  return testers;
+}();
 
 }  // namespace
 
@@ -22,8 +42,7 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
       l1_(l1),
       source_(source),
       host_(host),
-      clock_(config.rt.mhz, config.core_mhz),
-      port_(config.rt.port_sectors) {
+      port_(config.rt.port_sectors, ClockDomain(config.rt.mhz, config.core_mhz)) {
   for (std::size_t t = 0; t < kTesters; ++t) {
     const TesterConfig& c = config.rt.testers[t];
     std::uint32_t count = share(c.count, index, config.sm.count);
@@ -33,7 +52,8 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
                       " leaves an RT unit without one; use 0 or at least " +
                       std::to_string(config.sm.count));
     }
-    pools_[t] = TesterPool(count, c.latency, c.interval, clock_);
+    pools_[t] =
+        TesterPool(count, c.latency, c.interval, ClockDomain(config.rt.mhz, config.core_mhz));
   }
   for (std::uint32_t i = 0; i < config.rt.warps; ++i) {
     slots_.push_back(std::make_unique<Slot>());
@@ -52,6 +72,7 @@ void RtEngine::accept(Cycles now, std::uint32_t warp, const LaneRays& rays) {
   slot.judging = false;
   slot.warp = warp;
   slot.active = slot.suspended = slot.away = 0;
+  slot.requests.clear();
   by_age_.push_back(index);
   slot.arrived = now;
   ++resident_;
@@ -59,7 +80,7 @@ void RtEngine::accept(Cycles now, std::uint32_t warp, const LaneRays& rays) {
   for (std::uint32_t l = 0; l < kLanes; ++l) {
     Lane& lane = slot.lanes[l];
     lane = {};
-    lane.since = lane.started = now;
+    lane.since = lane.started = lane.ready = now;
     lane.ray = rays[l];
     slot.events[l].clear();
     if (rays[l] != kNone) {
@@ -71,56 +92,132 @@ void RtEngine::accept(Cycles now, std::uint32_t warp, const LaneRays& rays) {
   A2RT_CHECK(slot.active > 0, "a warp without rays was sent to the RT unit");
   for (std::uint32_t l = 0; l < kLanes; ++l) {
     if (rays[l] != kNone) {
-      run_lane(now, index, l);
+      set_state(now, slot.lanes[l], LaneState::kRun);
+      run_lane(now, now, index, l);
     }
   }
 }
 
+void RtEngine::book_lane(Lane& lane, Cycles until, LaneReason reason) {
+  counts_.lane_cycles[static_cast<std::size_t>(reason)] += until.value - lane.since.value;
+  lane.since = until;
+}
+
 void RtEngine::set_state(Cycles now, Lane& lane, LaneState state) {
-  account(now);
-  const std::uint64_t spent = now.value - lane.since.value;
-  lane.since = now;
-  const auto book = [&](LaneReason r) {
-    counts_.lane_cycles[static_cast<std::size_t>(r)] += spent;
-  };
   switch (lane.state) {
     case LaneState::kFetch:
-      book(LaneReason::kFetch);
-      --in_fetch_;
+      book_lane(lane, now, LaneReason::kFetch);
+      --in_unit_;
       break;
-    case LaneState::kTest:
-      book(LaneReason::kTest);
-      --in_test_;
+    case LaneState::kRun:
+      // Booked up to its next cycle when that became known.
+      A2RT_CHECK(lane.since == now, "a lane's time is not booked up to its next cycle");
+      --in_unit_;
       break;
     case LaneState::kCandidate:
     case LaneState::kAtShader:
-      book(LaneReason::kShader);
+      book_lane(lane, now, LaneReason::kShader);
       --in_shader_;
       break;
     case LaneState::kDone:
-      book(LaneReason::kDone);
+      book_lane(lane, now, LaneReason::kDone);
       break;
     case LaneState::kNone:
-      A2RT_CHECK(spent == 0, "a lane spent time in no state");
+      A2RT_CHECK(lane.since == now, "a lane spent time in no state");
       break;
   }
   lane.state = state;
-  in_fetch_ += state == LaneState::kFetch;
-  in_test_ += state == LaneState::kTest;
+  in_unit_ += state == LaneState::kFetch || state == LaneState::kRun;
   in_shader_ += state == LaneState::kCandidate || state == LaneState::kAtShader;
 }
 
-void RtEngine::run_lane(Cycles now, std::uint32_t slot, std::uint32_t l) {
+void RtEngine::appoint(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t l) {
+  if (at.value - now.value >= kNear) {
+    calendar_.at(at, *this, kLane, slot * kLanes + l);
+    return;
+  }
+  const auto near = static_cast<std::uint32_t>(at.value % kNear);
+  std::uint32_t& lanes = slots_[slot]->wake_at[near];
+  if (lanes == 0) {
+    calendar_.at(at, *this, kNearLanes, slot * kNear + near);
+  }
+  lanes |= 1u << l;
+}
+
+Cycles RtEngine::issue(Cycles at, Tester tester, std::uint32_t count) {
+  TesterPool& pool = pools_[static_cast<std::size_t>(tester)];
+  if (!pool.exists()) {
+    throw UserError("the RT unit needs a tester that the machine does not have: set rt.testers." +
+                    std::string(tester_name(tester)) + ".count above 0");
+  }
+  return pool.issue(at, count);
+}
+
+// Moves `at` to the end of the test that the lane's next event is; false if it is something else.
+bool RtEngine::test_event(Cycles& at, Lane& lane, const std::vector<Event>& events) {
+  const Event& event = events[lane.cursor];
+  const Tester tester = kTesterOf[static_cast<std::size_t>(event.kind)];
+  if (tester == Tester::kCount) {
+    return false;
+  }
+  ++lane.cursor;
+  ++counts_.events[static_cast<std::size_t>(event.kind)];
+  Cycles end = event.count > 0 ? issue(at, tester, event.count) : at;
+  // FP32 and quantized boxes of one node do not depend on each other: both pools start at once.
+  if (event.kind == EventKind::kBoxTest && lane.cursor < events.size() &&
+      events[lane.cursor].kind == EventKind::kQBoxTest) {
+    ++counts_.events[static_cast<std::size_t>(EventKind::kQBoxTest)];
+    end = std::max(end, issue(at, Tester::kQBox, events[lane.cursor++].count));
+  }
+  at = end;
+  return true;
+}
+
+Cycles RtEngine::run_tests(Cycles now, Cycles at, Lane& lane, const std::vector<Event>& events) {
+  const Cycles start = at;
+  // Reservations may be out of order by so much only; the rest is worked out when time has come.
+  while (at.value - now.value < TesterPool::kDisorder) {
+    if (lane.step < lane.steps) {
+      const Step step = lane.step_list[lane.step++];
+      at = issue(at, step.tester, step.count);
+      continue;
+    }
+    if (lane.cursor == events.size()) {
+      break;
+    }
+    if (test_event(at, lane, events)) {
+      continue;
+    }
+    // Stack entries kept on chip cost no time and concern nobody else.
+    const Event& event = events[lane.cursor];
+    if (event.kind == EventKind::kPush &&
+        (config_.rt.stack_entries == 0 || lane.stack + event.count <= config_.rt.stack_entries)) {
+      lane.stack += event.count;
+    } else if (event.kind == EventKind::kPop && event.count <= lane.stack) {
+      lane.stack -= event.count;
+    } else {
+      break;
+    }
+    ++counts_.events[static_cast<std::size_t>(event.kind)];
+    ++lane.cursor;
+  }
+  if (at > start) {
+    book_lane(lane, at, LaneReason::kTest);
+    testing_.mark(start, at);
+  }
+  return at;
+}
+
+void RtEngine::run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t l) {
   calendar_.progress();
   Lane& lane = slots_[slot]->lanes[l];
   const std::vector<Event>& events = slots_[slot]->events[l];
   while (true) {
-    if (lane.step < lane.steps) {
-      const Step step = lane.step_list[lane.step++];
-      test(now, slot, l, step.tester, step.count);
+    at = run_tests(now, at, lane, events);
+    if (at > now) {
+      appoint(now, at, slot, l);
       return;
     }
-    lane.step = lane.steps = 0;
     if (lane.cursor == events.size()) {
       end_ray(now, slot, l);
       return;
@@ -137,24 +234,6 @@ bool RtEngine::do_event(Cycles now, std::uint32_t slot, std::uint32_t l, const E
   switch (event.kind) {
     case EventKind::kFetch:
       return fetch(now, slot, l, Address{event.address}, event.bytes, event.traffic);
-    case EventKind::kBoxTest:
-      return test_node(now, slot, l, event.count);
-    case EventKind::kQBoxTest:
-      return test(now, slot, l, Tester::kQBox, event.count);
-    case EventKind::kTriangleTest:
-      return test(now, slot, l, Tester::kTriangle, event.count);
-    case EventKind::kRaySetup:
-      return test(now, slot, l, Tester::kSetup, event.count);
-    case EventKind::kQuantizeRay:
-      return test(now, slot, l, Tester::kQuantizer, event.count);
-    case EventKind::kAnchorTest:
-      return test(now, slot, l, Tester::kAnchor, event.count);
-    case EventKind::kUpdate:
-      return test(now, slot, l, Tester::kUpdate, event.count);
-    case EventKind::kDequantize:
-      return test(now, slot, l, Tester::kDequantize, event.count);
-    case EventKind::kTransform:
-      return test(now, slot, l, Tester::kTransform, event.count);
     case EventKind::kEscape:
       return false;  // the unit emits the dequantizations and FP32 tests that it causes
     case EventKind::kPush:
@@ -170,7 +249,7 @@ bool RtEngine::do_event(Cycles now, std::uint32_t slot, std::uint32_t l, const E
     case EventKind::kAnyHit:
     case EventKind::kIntersection:
       return suspend(now, slot, l, event);
-    case EventKind::kCount:
+    default:
       break;
   }
   A2RT_CHECK(false, "a ray emitted an event of unknown kind");
@@ -188,7 +267,10 @@ bool RtEngine::fetch(Cycles now, std::uint32_t slot, std::uint32_t l, Address ad
   A2RT_CHECK(bytes > 0, "a ray fetches 0 bytes");
   Slot& s = *slots_[slot];
   Lane& lane = s.lanes[l];
-  lane.missing = want(s, l, address, bytes, kind);
+  lane.missing = 0;
+  lane.ready = now;
+  set_state(now, lane, LaneState::kFetch);
+  want(now, s, l, address, bytes, kind);
   // A contiguous range of records of several kinds is one read of the unit.
   const std::vector<Event>& events = s.events[l];
   std::uint64_t end = address.value + bytes;
@@ -196,58 +278,29 @@ bool RtEngine::fetch(Cycles now, std::uint32_t slot, std::uint32_t l, Address ad
          events[lane.cursor].address == end) {
     const Event& more = events[lane.cursor++];
     ++counts_.events[static_cast<std::size_t>(EventKind::kFetch)];
-    lane.missing += want(s, l, Address{more.address}, more.bytes, more.traffic);
+    want(now, s, l, Address{more.address}, more.bytes, more.traffic);
     end += more.bytes;
   }
-  set_state(now, lane, LaneState::kFetch);
-  kick_port(now);
+  if (lane.missing > 0) {
+    kick_port(now);
+    return true;
+  }
+  // All of it is on its way to another lane already.
+  set_state(lane.ready, lane, LaneState::kRun);
+  appoint(now, lane.ready, slot, l);
   return true;
 }
 
-std::uint32_t RtEngine::want(Slot& slot, std::uint32_t l, Address address, std::uint32_t bytes,
-                             Traffic kind) {
-  const std::uint32_t sectors = slot.requests.add(l, address, bytes, kind);
+void RtEngine::want(Cycles now, Slot& slot, std::uint32_t l, Address address, std::uint32_t bytes,
+                    Traffic kind) {
+  const RequestTable::Added added = slot.requests.add(now, l, address, bytes, kind);
+  Lane& lane = slot.lanes[l];
+  lane.missing += added.lines;
+  lane.ready = std::max(lane.ready, added.ready);
   const auto k = static_cast<std::size_t>(kind);
   ++counts_.fetches[k];
   counts_.fetch_bytes[k] += bytes;
-  counts_.sectors_wanted[k] += sectors;
-  return sectors;
-}
-
-bool RtEngine::test(Cycles now, std::uint32_t slot, std::uint32_t l, Tester tester,
-                    std::uint32_t count) {
-  if (count == 0) {
-    return false;
-  }
-  TesterPool& pool = pool_for(tester);
-  set_state(now, slots_[slot]->lanes[l], LaneState::kTest);
-  calendar_.at(pool.issue(now, count), *this, kLane, slot * kLanes + l);
-  return true;
-}
-
-// FP32 and quantized boxes of one node do not depend on each other: both pools start at once.
-bool RtEngine::test_node(Cycles now, std::uint32_t slot, std::uint32_t l, std::uint32_t boxes) {
-  Lane& lane = slots_[slot]->lanes[l];
-  const std::vector<Event>& events = slots_[slot]->events[l];
-  if (lane.cursor == events.size() || events[lane.cursor].kind != EventKind::kQBoxTest) {
-    return test(now, slot, l, Tester::kBox, boxes);
-  }
-  const std::uint32_t qboxes = events[lane.cursor++].count;
-  ++counts_.events[static_cast<std::size_t>(EventKind::kQBoxTest)];
-  set_state(now, lane, LaneState::kTest);
-  const Cycles end = std::max(pool_for(Tester::kBox).issue(now, boxes),
-                              pool_for(Tester::kQBox).issue(now, qboxes));
-  calendar_.at(end, *this, kLane, slot * kLanes + l);
-  return true;
-}
-
-TesterPool& RtEngine::pool_for(Tester tester) {
-  TesterPool& pool = pools_[static_cast<std::size_t>(tester)];
-  if (!pool.exists()) {
-    throw UserError("the RT unit needs a tester that the machine does not have: set rt.testers." +
-                    std::string(tester_name(tester)) + ".count above 0");
-  }
-  return pool;
+  counts_.sectors_wanted[k] += added.sectors;
 }
 
 bool RtEngine::suspend(Cycles now, std::uint32_t slot, std::uint32_t l, const Event& event) {
@@ -255,6 +308,7 @@ bool RtEngine::suspend(Cycles now, std::uint32_t slot, std::uint32_t l, const Ev
   Lane& lane = s.lanes[l];
   lane.ordinal = event.count;
   lane.intersection = event.kind == EventKind::kIntersection;
+  account(now);
   set_state(now, lane, LaneState::kCandidate);
   ++s.suspended;
   maybe_judge(now, slot);
@@ -301,12 +355,18 @@ void RtEngine::candidates_done(Cycles now, std::uint32_t warp) {
 
 void RtEngine::end_ray(Cycles now, std::uint32_t slot, std::uint32_t l) {
   Slot& s = *slots_[slot];
+  account(now);
   set_state(now, s.lanes[l], LaneState::kDone);
   host_.ray_time(s.lanes[l].ray, now - s.lanes[l].started);
-  if (--s.active > 0) {
+  if (--s.active == 0) {
+    end_warp(now, slot);
+  } else {
     maybe_judge(now, slot);
-    return;
   }
+}
+
+void RtEngine::end_warp(Cycles now, std::uint32_t slot) {
+  Slot& s = *slots_[slot];
   A2RT_CHECK(s.requests.live() == 0, "a warp ended with requests under way");
   std::uint32_t inactive = 0;
   for (Lane& lane : s.lanes) {
@@ -329,27 +389,31 @@ void RtEngine::end_ray(Cycles now, std::uint32_t slot, std::uint32_t l) {
 
 void RtEngine::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
   switch (what) {
-    case kL1Data:
-      data(now, value);
-      return;
-    case kL1Unblocked:
-      account(now);
-      port_blocked_ = false;
-      kick_port(now);
-      return;
     case kPort:
       run_port(now);
       return;
+    case kNearLanes: {
+      const std::uint32_t slot = value / kNear;
+      std::uint32_t lanes = std::exchange(slots_[slot]->wake_at[value % kNear], 0);
+      for (; lanes != 0; lanes &= lanes - 1) {
+        run_lane(now, now, slot, static_cast<std::uint32_t>(std::countr_zero(lanes)));
+      }
+      return;
+    }
     case kLane: {
-      Slot& slot = *slots_[value / kLanes];
-      if (slot.lanes[value % kLanes].state != LaneState::kAtShader) {
-        run_lane(now, value / kLanes, value % kLanes);
+      const std::uint32_t index = value / kLanes;
+      Slot& slot = *slots_[index];
+      Lane& lane = slot.lanes[value % kLanes];
+      if (lane.state != LaneState::kAtShader) {
+        run_lane(now, now, index, value % kLanes);
         return;
       }
       slot.judging = --slot.away > 0;
-      run_lane(now, value / kLanes, value % kLanes);
+      account(now);
+      set_state(now, lane, LaneState::kRun);
+      run_lane(now, now, index, value % kLanes);
       if (slot.used) {
-        maybe_judge(now, value / kLanes);
+        maybe_judge(now, index);
       }
       return;
     }
@@ -358,14 +422,12 @@ void RtEngine::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
   }
 }
 
+// What the unit does in a cycle without a request or a test.
 RtReason RtEngine::reason() const {
   if (port_blocked_) {
     return RtReason::kMshrFull;
   }
-  if (in_test_ > 0) {
-    return RtReason::kTest;
-  }
-  if (in_fetch_ > 0) {
+  if (in_unit_ > 0) {
     return RtReason::kWaitMemory;
   }
   return in_shader_ > 0 ? RtReason::kWaitShader : RtReason::kIdle;
@@ -373,11 +435,12 @@ RtReason RtEngine::reason() const {
 
 void RtEngine::account(Cycles now) {
   if (now > attribution_.booked()) {
-    attribution_.until(now, reason());
+    const std::uint64_t tests = testing_.take(now);
+    attribution_.until(now, port_blocked_ ? 0 : tests, RtReason::kTest, reason());
   }
   if (now > series_until_) {
     occupancy_.add(series_until_, now, resident_);
-    active_series_.add(series_until_, now, in_fetch_ + in_test_ + in_shader_);
+    active_series_.add(series_until_, now, in_unit_ + in_shader_);
     series_until_ = now;
   }
 }
@@ -385,6 +448,7 @@ void RtEngine::account(Cycles now) {
 void RtEngine::finish(Cycles end) {
   account(end);
   attribution_.check(end);
+  counts_.port_cycles = port_.cycles_used();
   std::uint64_t lanes = 0;
   for (const std::uint64_t c : counts_.lane_cycles) {
     lanes += c;
@@ -422,8 +486,7 @@ std::string RtEngine::dump() const {
 }
 
 void RtEngine::check_drained() const {
-  A2RT_CHECK(resident_ == 0 && stores_head_ == stores_.size() && in_fetch_ == 0 && in_test_ == 0 &&
-                 in_shader_ == 0,
+  A2RT_CHECK(resident_ == 0 && stores_head_ == stores_.size() && in_unit_ == 0 && in_shader_ == 0,
              "the RT unit is not empty: " + dump());
 }
 

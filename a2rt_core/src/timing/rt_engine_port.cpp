@@ -11,6 +11,8 @@ constexpr std::uint64_t kSpillBase = std::uint64_t{1} << 44;
 constexpr std::uint64_t kSpillBytesPerLane = 4096;
 constexpr std::uint64_t kStackArea = 0;
 constexpr std::uint64_t kContextArea = kSpillBytesPerLane / 2;
+// Cycles' worth of requests that the port sends in one go.
+constexpr Cycles kBurst{8};
 
 }  // namespace
 
@@ -19,7 +21,7 @@ void RtEngine::kick_port(Cycles now) {
     return;
   }
   port_booked_ = true;
-  calendar_.at(std::max(now, port_free_), *this, kPort);
+  calendar_.at(port_.next(now), *this, kPort);
 }
 
 std::uint32_t RtEngine::oldest_with_requests() const {
@@ -31,85 +33,91 @@ std::uint32_t RtEngine::oldest_with_requests() const {
   return static_cast<std::uint32_t>(slots_.size());
 }
 
-bool RtEngine::send_store(Cycles now) {
-  if (l1_.write(now, stores_[stores_head_], Traffic::kStack) != L1Cache::Reply::kAccepted) {
-    bank_busy_ = true;
-    return false;
-  }
+void RtEngine::send_store(Cycles now) {
+  const Store store = stores_[stores_head_];
+  l1_.write(now, port_, Address{line_of(store.sector) * kLineBytes},
+            static_cast<SectorMask>(1u << sector_index(store.sector)), store.kind);
   ++counts_.stores_sent;
   if (++stores_head_ == stores_.size()) {
     stores_.clear();
     stores_head_ = 0;
   }
-  return true;
 }
 
-bool RtEngine::send_request(Cycles now, std::uint32_t slot) {
+void RtEngine::send_request(Cycles now, std::uint32_t slot) {
   RequestTable& requests = slots_[slot]->requests;
   const RequestTable::Next next = requests.next();
-  switch (l1_.read(now, next.sector, next.kind, *this, slot << 16 | next.token)) {
-    case L1Cache::Reply::kAccepted:
-      requests.sent();
-      ++counts_.sectors_sent;
-      return true;
-    case L1Cache::Reply::kBankBusy:
-      bank_busy_ = true;
-      return false;
-    case L1Cache::Reply::kMshrFull:
-      port_blocked_ = true;
-      return false;
+  const L1Cache::Lookup found =
+      l1_.read(now, port_, next.line, next.sectors, next.kind, *this, slot << 16 | next.token);
+  requests.sent(found.accepted);
+  counts_.sectors_sent += sectors_in(found.accepted);
+  port_blocked_ = found.mshrs_full;
+  if (found.hits != 0) {
+    requests.arrived(next.token, found.hits, found.ready, arrivals_);
+    tell_lanes(now, slot);
   }
-  return false;
 }
 
+// Sends what is queued for the next few cycles. An older warp that asks meanwhile waits so long.
 void RtEngine::run_port(Cycles now) {
   account(now);
   port_booked_ = false;
-  bool sent = false;
+  const std::uint64_t cycles_before = port_.cycles_used();
+  const std::uint64_t conflicts_before = l1_.counts().bank_conflicts;
+  const Cycles burst_end = now + kBurst;
   bool more = true;
-  while (more && port_.left(now) > 0) {
+  while (!port_blocked_ && port_.next(now) < burst_end) {
     const std::uint32_t slot = oldest_with_requests();
-    bool accepted = false;
     if (stores_head_ < stores_.size()) {
-      accepted = send_store(now);
+      send_store(now);
     } else if (slot < slots_.size()) {
-      accepted = send_request(now, slot);
+      send_request(now, slot);
     } else {
       more = false;
-    }
-    if (accepted) {
-      port_.spend(now);
-      sent = true;
-    } else {
       break;
     }
   }
-  // The next RT clock edge is the earliest moment for another request.
-  port_free_ = clock_.to_core(clock_.from_core(now) + Cycles{1});
-  if (sent) {
+  const std::uint64_t used = port_.cycles_used() - cycles_before;
+  if (used > 0) {
     calendar_.progress();
-    attribution_.until(now + Cycles{1}, RtReason::kFetch);
-  } else if (bank_busy_) {
-    attribution_.until(now + Cycles{1}, RtReason::kBankBusy);
+    const Cycles end = port_.end();
+    testing_.take(end);
+    attribution_.until(end, l1_.counts().bank_conflicts - conflicts_before, RtReason::kBankBusy,
+                       RtReason::kFetch);
+    port_series_.add(end - Cycles{used}, end, 1);
   }
-  bank_busy_ = false;
-  if (stores_head_ < stores_.size() || oldest_with_requests() < slots_.size()) {
+  if (more && !port_blocked_ &&
+      (stores_head_ < stores_.size() || oldest_with_requests() < slots_.size())) {
     kick_port(now);
   }
 }
 
-void RtEngine::data(Cycles now, std::uint32_t token) {
+void RtEngine::arrived(Cycles now, std::uint32_t token, SectorMask sectors,
+                       const SectorTimes& ready) {
   calendar_.progress();
   const std::uint32_t slot = token >> 16;
+  slots_[slot]->requests.arrived(token & 0xffff, sectors, ready, arrivals_);
+  tell_lanes(now, slot);
+}
+
+void RtEngine::unblocked(Cycles now) {
+  account(now);
+  port_blocked_ = false;
+  kick_port(now);
+}
+
+// Lanes whose last line has a time go on from it.
+void RtEngine::tell_lanes(Cycles now, std::uint32_t slot) {
   Slot& s = *slots_[slot];
-  std::uint32_t lanes = s.requests.arrived(token & 0xffff);
-  while (lanes != 0) {
-    const auto l = static_cast<std::uint32_t>(std::countr_zero(lanes));
-    lanes &= lanes - 1;
-    if (--s.lanes[l].missing == 0) {
-      run_lane(now, slot, l);
+  for (const RequestTable::Arrival& arrival : arrivals_) {
+    Lane& lane = s.lanes[arrival.lane];
+    lane.ready = std::max(lane.ready, arrival.ready);
+    if (arrival.line_complete && --lane.missing == 0) {
+      set_state(lane.ready, lane, LaneState::kRun);
+      run_lane(now, lane.ready, slot, arrival.lane);
     }
   }
+  arrivals_.clear();
 }
 
 Address RtEngine::stack_address(std::uint32_t slot, std::uint32_t lane, std::uint32_t entry,
@@ -120,10 +128,10 @@ Address RtEngine::stack_address(std::uint32_t slot, std::uint32_t lane, std::uin
   return Address{kSpillBase + thread * kSpillBytesPerLane + area + offset};
 }
 
-void RtEngine::store(Cycles now, Address address, std::uint32_t bytes) {
+void RtEngine::store(Cycles now, Address address, std::uint32_t bytes, Traffic kind) {
   const Address last = sector_of(Address{address.value + bytes - 1});
   for (Address s = sector_of(address); s <= last; s = s + Bytes{kSectorBytes}) {
-    stores_.push_back(s);
+    stores_.push_back({s, kind});
   }
   kick_port(now);
 }
@@ -137,7 +145,8 @@ void RtEngine::push(Cycles now, std::uint32_t slot, std::uint32_t l, std::uint32
   lane.stack += count;
   while (limit > 0 && lane.stack > limit) {
     const std::uint32_t moved = std::min(per_sector, lane.stack);
-    store(now, stack_address(slot, l, lane.stack_spilled, bytes, kStackArea), moved * bytes);
+    store(now, stack_address(slot, l, lane.stack_spilled, bytes, kStackArea), moved * bytes,
+          Traffic::kStack);
     lane.stack -= moved;
     lane.stack_spilled += moved;
     ++counts_.stack_spills;
@@ -171,7 +180,8 @@ void RtEngine::push_context(Cycles now, std::uint32_t slot, std::uint32_t l) {
     return;
   }
   const std::uint32_t bytes = config_.rt.context_bytes;
-  store(now, stack_address(slot, l, lane.context_spilled, bytes, kContextArea), bytes);
+  store(now, stack_address(slot, l, lane.context_spilled, bytes, kContextArea), bytes,
+        Traffic::kStack);
   --lane.context;
   ++lane.context_spilled;
   ++counts_.context_spills;

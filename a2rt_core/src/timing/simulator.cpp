@@ -222,6 +222,7 @@ void add_rt(RtCounts& to, const RtCounts& from) {
   to.warps += from.warps;
   to.sectors_sent += from.sectors_sent;
   to.stores_sent += from.stores_sent;
+  to.port_cycles += from.port_cycles;
   to.stack_spills += from.stack_spills;
   to.stack_fills += from.stack_fills;
   to.context_spills += from.context_spills;
@@ -290,6 +291,7 @@ void Machine::collect_sm(Sm& sm) {
   add_series(result_.series, "sm_warps", "warps", sm.occupancy(), result_.cycles);
   add_series(result_.series, "rt_warps", "warps", sm.rt().occupancy(), result_.cycles);
   add_series(result_.series, "rt_rays", "rays", sm.rt().active_lanes(), result_.cycles);
+  add_series(result_.series, "rt_ports", "L1 ports in use", sm.rt().port_use(), result_.cycles);
 }
 
 void Machine::collect() {

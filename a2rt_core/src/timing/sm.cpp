@@ -19,32 +19,36 @@ Sm::Sm(const MachineConfig& config, std::uint32_t index, Calendar& calendar, Low
       calendar_(calendar),
       addresses_(addresses),
       host_(host),
-      l1_(config.l1, calendar, lower, index),
+      l1_(config.l1, lower, index),
       rt_(config, index, calendar, l1_, source, *this),
+      fronts_(config.sm.warps),
       warps_(config.sm.warps),
       schedulers_(config.sm.schedulers),
-      lsu_budget_(config.sm.lsu_sectors_per_cycle) {
+      lsu_port_(config.sm.lsu_sectors_per_cycle) {
+  A2RT_CHECK(config.sm.schedulers < 256, "an SM has fewer than 256 schedulers");
   for (std::uint32_t slot = 0; slot < config.sm.warps; ++slot) {
-    ++schedulers_[slot % schedulers_.size()].states[static_cast<std::size_t>(State::kEmpty)];
+    const std::size_t scheduler = slot % schedulers_.size();
+    fronts_[slot].scheduler = static_cast<std::uint8_t>(scheduler);
+    ++schedulers_[scheduler].states[static_cast<std::size_t>(State::kEmpty)];
   }
 }
 
 bool Sm::launch(Cycles now) {
-  const auto free = std::find_if(warps_.begin(), warps_.end(),
-                                 [](const Warp& w) { return w.state == State::kEmpty; });
-  if (free == warps_.end() || !host_.next_warp(new_warp_)) {
+  const auto free = std::find_if(fronts_.begin(), fronts_.end(),
+                                 [](const Front& f) { return f.state == State::kEmpty; });
+  if (free == fronts_.end() || !host_.next_warp(new_warp_)) {
     return false;
   }
   account_occupancy(now);
-  const auto slot = static_cast<std::uint32_t>(free - warps_.begin());
-  Warp& warp = *free;
+  const auto slot = static_cast<std::uint32_t>(free - fronts_.begin());
+  Warp& warp = warps_[slot];
   warp.program = new_warp_.program;
   warp.number = new_warp_.number;
   warp.width = new_warp_.width;
   warp.judging = false;
-  warp.launched = now;
-  warp.age = age_++;
+  warp.launched = warp.data = now;
   warp.outstanding = 0;
+  free->age = age_++;
   ++resident_;
   ++counts_.warps;
   if (!warp.program.next(warp.work, warp.rays)) {
@@ -52,14 +56,14 @@ bool Sm::launch(Cycles now) {
     retire(now, slot);
     return true;
   }
-  begin_work(warp);
+  begin_work(slot);
   make_ready(now, slot, now);
   return true;
 }
 
 void Sm::retire(Cycles now, std::uint32_t slot) {
   account_occupancy(now);
-  Warp& warp = warps_[slot];
+  const Warp& warp = warps_[slot];
   set_state(now, slot, State::kEmpty);
   --resident_;
   counts_.warp_cycles += now.value - warp.launched.value;
@@ -68,33 +72,67 @@ void Sm::retire(Cycles now, std::uint32_t slot) {
 }
 
 void Sm::set_state(Cycles now, std::uint32_t slot, State state) {
-  Scheduler& scheduler = schedulers_[slot % schedulers_.size()];
+  Front& front = fronts_[slot];
+  Scheduler& scheduler = schedulers_[front.scheduler];
+  advance(now, front.scheduler);
   account(now, scheduler);
-  --scheduler.states[static_cast<std::size_t>(warps_[slot].state)];
+  --scheduler.states[static_cast<std::size_t>(front.state)];
   ++scheduler.states[static_cast<std::size_t>(state)];
-  warps_[slot].state = state;
+  front.state = state;
 }
 
 void Sm::make_ready(Cycles now, std::uint32_t slot, Cycles ready) {
   set_state(now, slot, State::kReady);
-  warps_[slot].ready = ready;
-  book(now, slot % static_cast<std::uint32_t>(schedulers_.size()));
+  fronts_[slot].ready = ready;
+  book(now, fronts_[slot].scheduler);
 }
 
-// Books the scheduler for the first cycle in which some warp of its can issue.
+// First cycle in which some warp of the scheduler can issue.
+Cycles Sm::next_issue(const Scheduler& scheduler, std::uint32_t index) const {
+  Cycles earliest = kNever;
+  const auto step = static_cast<std::uint32_t>(schedulers_.size());
+  for (std::uint32_t slot = index; slot < fronts_.size(); slot += step) {
+    if (fronts_[slot].state == State::kReady) {
+      earliest = std::min(earliest, fronts_[slot].ready);
+    }
+  }
+  return std::max(earliest, scheduler.free);
+}
+
+// Cycle before which the warp cannot be through with its phase's arithmetic.
+Cycles Sm::earliest_end(const Scheduler& scheduler, const Front& front) const {
+  const SmConfig& sm = config_.sm;
+  Cycles at = std::max(front.ready, scheduler.free);
+  const auto bursts = [&](std::uint32_t n, Cycles latency) {
+    const std::uint32_t whole = n / sm.independent_instructions;
+    const std::uint32_t rest = n % sm.independent_instructions;
+    at += (Cycles{sm.independent_instructions - 1} + latency) * whole;
+    at += rest > 0 ? Cycles{rest - 1} + latency : Cycles{0};
+  };
+  if ((front.uniform | front.alu) != 0) {
+    bursts(front.uniform, sm.uniform_latency);
+    bursts(front.alu, sm.alu_latency);
+  }
+  if (front.sfu > 0) {
+    at = std::max(at, scheduler.sfu_free) + sm.sfu_interval * (front.sfu - 1) + sm.sfu_latency;
+  }
+  return at;
+}
+
+// Books the scheduler for the first cycle in which a warp may reach something beyond arithmetic.
 void Sm::book(Cycles now, std::uint32_t index) {
   Scheduler& scheduler = schedulers_[index];
   Cycles earliest = kNever;
-  for (std::uint32_t slot = index; slot < warps_.size();
-       slot += static_cast<std::uint32_t>(schedulers_.size())) {
-    if (warps_[slot].state == State::kReady) {
-      earliest = std::min(earliest, warps_[slot].ready);
+  const auto step = static_cast<std::uint32_t>(schedulers_.size());
+  for (std::uint32_t slot = index; slot < fronts_.size(); slot += step) {
+    if (fronts_[slot].state == State::kReady) {
+      earliest = std::min(earliest, earliest_end(scheduler, fronts_[slot]));
     }
   }
   if (earliest == kNever) {
     return;
   }
-  const Cycles when = std::max({now, earliest, scheduler.free});
+  const Cycles when = std::max(now, earliest);
   if (scheduler.booked && scheduler.booked_at <= when) {
     return;
   }
@@ -105,18 +143,36 @@ void Sm::book(Cycles now, std::uint32_t index) {
 
 // Greedy then oldest: the warp that issued last if it can, else the oldest that can.
 std::uint32_t Sm::choose(Cycles now, const Scheduler& scheduler, std::uint32_t index) const {
-  const auto can = [&](const Warp& w) { return w.state == State::kReady && w.ready <= now; };
-  if (scheduler.last % schedulers_.size() == index && can(warps_[scheduler.last])) {
+  const auto can = [&](const Front& f) { return f.state == State::kReady && f.ready <= now; };
+  if (fronts_[scheduler.last].scheduler == index && can(fronts_[scheduler.last])) {
     return scheduler.last;
   }
   std::uint32_t best = kNoSlot;
-  for (std::uint32_t slot = index; slot < warps_.size();
-       slot += static_cast<std::uint32_t>(schedulers_.size())) {
-    if (can(warps_[slot]) && (best == kNoSlot || warps_[slot].age < warps_[best].age)) {
+  const auto step = static_cast<std::uint32_t>(schedulers_.size());
+  for (std::uint32_t slot = index; slot < fronts_.size(); slot += step) {
+    if (can(fronts_[slot]) && (best == kNoSlot || fronts_[slot].age < fronts_[best].age)) {
       best = slot;
     }
   }
   return best;
+}
+
+// Makes all issue decisions of the cycles before `end`. Before the present cycle there can be
+// nothing but arithmetic, or the scheduler would have been booked for it.
+void Sm::advance(Cycles end, std::uint32_t index) {
+  Scheduler& scheduler = schedulers_[index];
+  while (scheduler.states[static_cast<std::size_t>(State::kReady)] > 0) {
+    const Cycles at = next_issue(scheduler, index);
+    if (at >= end) {
+      return;
+    }
+    const std::uint32_t slot = choose(at, scheduler, index);
+    A2RT_CHECK(slot != kNoSlot, "a warp is ready and cannot be found");
+    if (step(at, slot, index) == Issue::kIssued) {
+      scheduler.last = slot;
+      calendar_.progress();
+    }
+  }
 }
 
 void Sm::issue(Cycles now, std::uint32_t index) {
@@ -125,46 +181,27 @@ void Sm::issue(Cycles now, std::uint32_t index) {
     return;  // an earlier booking replaced this one
   }
   scheduler.booked = false;
-  while (true) {
-    const std::uint32_t slot = choose(now, scheduler, index);
-    if (slot == kNoSlot) {
-      break;
-    }
-    if (step(now, slot, index) == Issue::kIssued) {
-      scheduler.last = slot;
-      calendar_.progress();
-      break;
-    }
-  }
+  advance(now + Cycles{1}, index);
   book(now, index);
 }
 
 void Sm::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
   switch (what) {
-    case kL1Data: {
-      calendar_.progress();
-      Warp& warp = warps_[value];
-      A2RT_CHECK(warp.outstanding > 0, "load data came for a warp that loads nothing");
-      if (--warp.outstanding == 0 && warp.state == State::kMemory) {
-        make_ready(now, value, now);
-      }
-      return;
-    }
-    case kL1Unblocked:
-      lsu_blocked_ = false;
-      kick_lsu(now);
-      return;
     case kIssue:
       issue(now, value);
       return;
     case kLsuPort:
       run_lsu(now);
       return;
+    case kData:
+      calendar_.progress();
+      make_ready(now, value, now);
+      return;
     case kJudge: {
       Warp& warp = warps_[value];
       warp.judging = true;
       A2RT_CHECK(warp.program.next_judgement(warp.jobs, warp.work), "no candidate to judge");
-      begin_work(warp);
+      begin_work(value);
       make_ready(now, value, now);
       return;
     }
@@ -184,7 +221,7 @@ void Sm::rays_done(Cycles now, std::uint32_t slot, Cycles ready) {
     warp.work = {};
     warp.rays.fill(kNone);
   }
-  begin_work(warp);
+  begin_work(slot);
   make_ready(now, slot, ready);
 }
 
@@ -264,12 +301,12 @@ std::string Sm::dump() const {
                                             "waits for the RT unit",
                                             "in the RT unit"};
   std::string text = "sm[" + std::to_string(index_) + "]: " + std::to_string(resident_) +
-                     " warps, load/store queue " + std::to_string(lsu_.size() - lsu_head_) +
+                     " warps, load/store queue " + std::to_string(lsu_sectors_) + " sectors" +
                      (lsu_blocked_ ? " blocked by MSHRs" : "") + "\n";
   for (std::size_t slot = 0; slot < warps_.size(); ++slot) {
-    if (warps_[slot].state != State::kEmpty) {
+    if (fronts_[slot].state != State::kEmpty) {
       text += "  slot " + std::to_string(slot) + " warp " + std::to_string(warps_[slot].number) +
-              ": " + kStates[static_cast<std::size_t>(warps_[slot].state)] +
+              ": " + kStates[static_cast<std::size_t>(fronts_[slot].state)] +
               (warps_[slot].judging ? ", judging candidates" : "") + ", " +
               std::to_string(warps_[slot].outstanding) + " sectors outstanding\n";
     }

@@ -13,12 +13,12 @@ std::uint32_t count_of(const SegmentWork& work, capture::Counter counter) {
 
 }  // namespace
 
-void Sm::begin_work(Warp& warp) {
+void Sm::begin_work(std::uint32_t slot) {
   using capture::Counter;
+  Warp& warp = warps_[slot];
   const SegmentWork& work = warp.work;
   const std::uint32_t words = config_.sm.words_per_load;
   const std::uint32_t payload = ceil_div(count_of(work, Counter::kPayload), words);
-  warp.uniform = ceil_div(count_of(work, Counter::kUniformLoad), words);
   warp.alu = count_of(work, Counter::kAlu) + count_of(work, Counter::kControl);
   warp.sfu = count_of(work, Counter::kSfu);
   // The capture counts payload words without direction: half are taken as loads.
@@ -31,16 +31,19 @@ void Sm::begin_work(Warp& warp) {
   for (std::size_t c = 0; c < capture::kCounters; ++c) {
     counts_.lane_operations[c] += work.lane_sum[c];
   }
-  begin_phase(warp);
+  fronts_[slot].uniform = ceil_div(count_of(work, Counter::kUniformLoad), words);
+  begin_phase(slot);
 }
 
 // Arithmetic is spread evenly over the phases, each of which ends with a batch of loads.
-void Sm::begin_phase(Warp& warp) {
-  warp.alu_phase = ceil_div(warp.alu, warp.phases);
-  warp.sfu_phase = ceil_div(warp.sfu, warp.phases);
+void Sm::begin_phase(std::uint32_t slot) {
+  Warp& warp = warps_[slot];
+  Front& front = fronts_[slot];
+  front.alu = ceil_div(warp.alu, warp.phases);
+  front.sfu = ceil_div(warp.sfu, warp.phases);
   warp.loads_phase = std::min(warp.loads, config_.sm.loads_in_flight);
-  warp.alu -= warp.alu_phase;
-  warp.sfu -= warp.sfu_phase;
+  warp.alu -= front.alu;
+  warp.sfu -= front.sfu;
   warp.loads -= warp.loads_phase;
   --warp.phases;
 }
@@ -53,16 +56,17 @@ void Sm::spend(Cycles now, Scheduler& scheduler, std::uint32_t slots, SchedulerR
 }
 
 Sm::Issue Sm::step(Cycles now, std::uint32_t slot, std::uint32_t index) {
-  Warp& warp = warps_[slot];
   Scheduler& scheduler = schedulers_[index];
-  if (warp.uniform + warp.alu_phase + warp.sfu_phase > 0) {
-    return issue_arithmetic(now, warp, scheduler);
+  if (fronts_[slot].has_arithmetic()) {
+    return issue_arithmetic(now, fronts_[slot], scheduler);
   }
+  A2RT_CHECK(now == calendar_.now(), "a warp left its arithmetic in the past");
+  const Warp& warp = warps_[slot];
   if (warp.loads_phase > 0) {
     return issue_load(now, slot, scheduler);
   }
   if (warp.phases > 0) {
-    begin_phase(warp);
+    begin_phase(slot);
     return Issue::kAgain;
   }
   if (warp.stores > 0) {
@@ -71,47 +75,55 @@ Sm::Issue Sm::step(Cycles now, std::uint32_t slot, std::uint32_t index) {
   return end_segment(now, slot, scheduler);
 }
 
-Sm::Issue Sm::issue_arithmetic(Cycles now, Warp& warp, Scheduler& scheduler) {
+Sm::Issue Sm::issue_arithmetic(Cycles now, Front& front, Scheduler& scheduler) {
   const SmConfig& sm = config_.sm;
-  if (warp.uniform > 0 || warp.alu_phase > 0) {
-    std::uint32_t& left = warp.uniform > 0 ? warp.uniform : warp.alu_phase;
-    const Cycles latency = warp.uniform > 0 ? sm.uniform_latency : sm.alu_latency;
+  if (front.uniform > 0 || front.alu > 0) {
+    std::uint32_t& left = front.uniform > 0 ? front.uniform : front.alu;
+    const Cycles latency = front.uniform > 0 ? sm.uniform_latency : sm.alu_latency;
     const std::uint32_t burst = std::min(left, sm.independent_instructions);
-    (warp.uniform > 0 ? counts_.uniform : counts_.alu) += burst;
+    (front.uniform > 0 ? counts_.uniform : counts_.alu) += burst;
     left -= burst;
     spend(now, scheduler, burst, SchedulerReason::kIssueAlu);
-    warp.ready = now + Cycles{burst - 1} + latency;
+    front.ready = now + Cycles{burst - 1} + latency;
     return Issue::kIssued;
   }
   if (scheduler.sfu_free > now) {
-    warp.ready = scheduler.sfu_free;
+    front.ready = scheduler.sfu_free;
     return Issue::kNothing;
   }
-  --warp.sfu_phase;
+  --front.sfu;
   ++counts_.sfu;
   spend(now, scheduler, 1, SchedulerReason::kIssueSfu);
   scheduler.sfu_free = now + sm.sfu_interval;
-  warp.ready = now + (warp.sfu_phase > 0 ? sm.sfu_interval : sm.sfu_latency);
+  front.ready = now + (front.sfu > 0 ? sm.sfu_interval : sm.sfu_latency);
   return Issue::kIssued;
 }
 
+// Puts an access's sectors, sorted, into the queue: one entry per line.
 void Sm::queue_sectors(Cycles now, std::uint32_t slot, ShaderAccess access, std::uint32_t ordinal,
                        bool write) {
   Warp& warp = warps_[slot];
   const std::uint32_t block = index_ * config_.sm.warps + slot;
   addresses_.sectors(access, ordinal, warp.work, warp.program, warp.width, block, scratch_);
-  // Payload and attributes are thread-private like spilled stacks, but belong to the shaders.
-  for (const Address sector : scratch_) {
-    lsu_.push_back({sector, slot, write, Traffic::kShader});
-    warp.outstanding += !write;
+  for (std::size_t i = 0; i < scratch_.size();) {
+    const std::uint64_t line = line_of(scratch_[i]);
+    SectorMask sectors = 0;
+    for (; i < scratch_.size() && line_of(scratch_[i]) == line; ++i) {
+      sectors = static_cast<SectorMask>(sectors | 1u << sector_index(scratch_[i]));
+    }
+    lsu_.push_back({Address{line * kLineBytes}, slot, sectors, write});
   }
-  counts_.lsu_sectors += scratch_.size();
+  const auto sectors = static_cast<std::uint32_t>(scratch_.size());
+  warp.outstanding += write ? 0 : sectors;
+  lsu_sectors_ += sectors;
+  counts_.lsu_sectors += sectors;
   kick_lsu(now);
 }
 
 Sm::Issue Sm::issue_load(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
   Warp& warp = warps_[slot];
-  if (lsu_.size() - lsu_head_ >= config_.sm.lsu_queue) {
+  Front& front = fronts_[slot];
+  if (lsu_sectors_ >= config_.sm.lsu_queue) {
     set_state(now, slot, State::kLsu);
     return Issue::kNothing;
   }
@@ -126,20 +138,21 @@ Sm::Issue Sm::issue_load(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
   ++counts_.loads;
   spend(now, scheduler, 1, SchedulerReason::kIssueMemory);
   if (config_.shader_memory == ShaderMemory::kIdeal) {
-    warp.ready = now + (warp.loads_phase > 0 ? Cycles{1} : config_.l1.latency);
+    front.ready = now + (warp.loads_phase > 0 ? Cycles{1} : config_.l1.latency);
     return Issue::kIssued;
   }
   queue_sectors(now, slot, kAccess[kind], ordinal, false);
-  warp.ready = now + Cycles{1};
-  if (warp.loads_phase == 0 && warp.outstanding > 0) {
+  front.ready = now + Cycles{1};
+  if (warp.loads_phase == 0 && (warp.outstanding > 0 || warp.data > front.ready)) {
     set_state(now, slot, State::kMemory);
+    data_known(now, slot);
   }
   return Issue::kIssued;
 }
 
 Sm::Issue Sm::issue_store(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
   Warp& warp = warps_[slot];
-  if (lsu_.size() - lsu_head_ >= config_.sm.lsu_queue) {
+  if (lsu_sectors_ >= config_.sm.lsu_queue) {
     set_state(now, slot, State::kLsu);
     return Issue::kNothing;
   }
@@ -152,7 +165,7 @@ Sm::Issue Sm::issue_store(Cycles now, std::uint32_t slot, Scheduler& scheduler) 
     queue_sectors(now, slot, kind == 0 ? ShaderAccess::kBufferStore : ShaderAccess::kPayload,
                   ordinal, true);
   }
-  warp.ready = now + Cycles{1};
+  fronts_[slot].ready = now + Cycles{1};
   return Issue::kIssued;
 }
 
@@ -160,7 +173,7 @@ Sm::Issue Sm::end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler) 
   Warp& warp = warps_[slot];
   if (warp.judging) {
     if (warp.program.next_judgement(warp.jobs, warp.work)) {
-      begin_work(warp);
+      begin_work(slot);
       return Issue::kAgain;
     }
     warp.judging = false;
@@ -183,7 +196,7 @@ Sm::Issue Sm::end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler) 
     return Issue::kIssued;
   }
   if (warp.program.next(warp.work, warp.rays)) {
-    begin_work(warp);
+    begin_work(slot);
     return Issue::kAgain;
   }
   retire(now, slot);
@@ -200,38 +213,74 @@ void Sm::kick_lsu(Cycles now) {
     return;
   }
   lsu_booked_ = true;
-  calendar_.at(std::max(now, lsu_free_), *this, kLsuPort);
+  calendar_.at(lsu_port_.next(now), *this, kLsuPort);
 }
 
+// When all of a waiting warp's loads have a time, it is ready at the last.
+void Sm::data_known(Cycles now, std::uint32_t slot) {
+  const Warp& warp = warps_[slot];
+  if (warp.outstanding == 0 && fronts_[slot].state == State::kMemory) {
+    calendar_.at(std::max(now, warp.data), *this, kData, slot);
+  }
+}
+
+void Sm::send(Cycles now, LsuEntry& entry) {
+  if (entry.write) {
+    l1_.write(now, lsu_port_, entry.line, entry.sectors, Traffic::kShader);
+    lsu_sectors_ -= sectors_in(entry.sectors);
+    entry.sectors = 0;
+    return;
+  }
+  const L1Cache::Lookup found =
+      l1_.read(now, lsu_port_, entry.line, entry.sectors, Traffic::kShader, *this, entry.slot);
+  lsu_blocked_ = found.mshrs_full;
+  lsu_sectors_ -= sectors_in(found.accepted);
+  entry.sectors = static_cast<SectorMask>(entry.sectors & ~found.accepted);
+  if (found.hits != 0) {
+    Warp& warp = warps_[entry.slot];
+    for_each_sector(found.hits,
+                    [&](std::uint32_t s) { warp.data = std::max(warp.data, found.ready[s]); });
+    warp.outstanding -= sectors_in(found.hits);
+    data_known(now, entry.slot);
+  }
+}
+
+// Sends what is queued for the next few cycles.
 void Sm::run_lsu(Cycles now) {
   lsu_booked_ = false;
-  lsu_free_ = now + Cycles{1};
-  while (lsu_head_ < lsu_.size() && lsu_budget_.left(now) > 0) {
-    const LsuEntry& entry = lsu_[lsu_head_];
-    const L1Cache::Reply reply = entry.write
-                                     ? l1_.write(now, entry.sector, entry.kind)
-                                     : l1_.read(now, entry.sector, entry.kind, *this, entry.slot);
-    if (reply == L1Cache::Reply::kMshrFull) {
-      lsu_blocked_ = true;
-    }
-    if (reply != L1Cache::Reply::kAccepted) {
-      break;
-    }
+  const Cycles end = now + Cycles{4};
+  while (lsu_head_ < lsu_.size() && !lsu_blocked_ && lsu_port_.next(now) < end) {
+    send(now, lsu_[lsu_head_]);
     calendar_.progress();
-    lsu_budget_.spend(now);
-    ++lsu_head_;
+    lsu_head_ += lsu_[lsu_head_].sectors == 0;
   }
   if (lsu_head_ == lsu_.size()) {
     lsu_.clear();
     lsu_head_ = 0;
   }
-  if (lsu_.size() - lsu_head_ < config_.sm.lsu_queue) {
-    for (std::uint32_t slot = 0; slot < warps_.size(); ++slot) {
-      if (warps_[slot].state == State::kLsu) {
-        make_ready(now, slot, now + Cycles{1});
+  if (lsu_sectors_ < config_.sm.lsu_queue) {
+    const Cycles again = std::max(now + Cycles{1}, lsu_port_.end());
+    for (std::uint32_t slot = 0; slot < fronts_.size(); ++slot) {
+      if (fronts_[slot].state == State::kLsu) {
+        make_ready(now, slot, again);
       }
     }
   }
+  kick_lsu(now);
+}
+
+void Sm::arrived(Cycles now, std::uint32_t token, SectorMask sectors, const SectorTimes& ready) {
+  calendar_.progress();
+  Warp& warp = warps_[token];
+  A2RT_CHECK(warp.outstanding >= sectors_in(sectors),
+             "load data came for a warp that loads nothing");
+  for_each_sector(sectors, [&](std::uint32_t s) { warp.data = std::max(warp.data, ready[s]); });
+  warp.outstanding -= sectors_in(sectors);
+  data_known(now, token);
+}
+
+void Sm::unblocked(Cycles now) {
+  lsu_blocked_ = false;
   kick_lsu(now);
 }
 

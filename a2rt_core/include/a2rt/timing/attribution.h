@@ -1,6 +1,7 @@
 // Where the cycles went: every cycle of a thing is booked under exactly one reason.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -23,6 +24,15 @@ class Attribution {
       until_ = now;
     }
   }
+  // The same, of which `part` cycles go under `first`.
+  void until(Cycles now, std::uint64_t part, Reason first, Reason rest) {
+    if (now > until_) {
+      A2RT_CHECK(part <= now.value - until_.value, "more cycles are booked than have passed");
+      cycles_[static_cast<std::size_t>(first)] += part;
+      cycles_[static_cast<std::size_t>(rest)] += now.value - until_.value - part;
+      until_ = now;
+    }
+  }
   Cycles booked() const { return until_; }
   const auto& cycles() const { return cycles_; }
   // Throws InternalError unless every cycle before `end` is booked once.
@@ -37,6 +47,35 @@ class Attribution {
  private:
   std::array<std::uint64_t, static_cast<std::size_t>(Reason::kCount)> cycles_{};
   Cycles until_;
+};
+
+// In which cycles anything of a kind was under way: the union of intervals that start in the near
+// future and may come in any order.
+class BusyCycles {
+ public:
+  // Adds the cycles [from, to). What take() has already passed is ignored.
+  void mark(Cycles from, Cycles to) {
+    std::uint64_t at = std::max(from, taken_).value;
+    if (to.value > taken_.value + kWindow) [[unlikely]] {
+      long_from_ = long_until_ > Cycles{at} ? std::min(long_from_, Cycles{at}) : Cycles{at};
+      long_until_ = std::max(long_until_, to);
+      return;
+    }
+    while (at < to.value) {
+      const std::uint64_t bit = at % 64, n = std::min(64 - bit, to.value - at);
+      words_[at / 64 % words_.size()] |= (n == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << n) - 1)
+                                         << bit;
+      at += n;
+    }
+  }
+  // Cycles marked in [end of the last call, to).
+  std::uint64_t take(Cycles to);
+
+ private:
+  static constexpr std::uint64_t kWindow = 4096 - 64;
+  std::array<std::uint64_t, 64> words_{};
+  Cycles taken_;
+  Cycles long_from_, long_until_;  // hull of the intervals that outlast the window
 };
 
 // What one scheduler of an SM did in a cycle.

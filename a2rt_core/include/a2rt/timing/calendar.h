@@ -37,9 +37,7 @@ class Calendar {
     A2RT_CHECK(when >= now_, "an appointment was made in the past");
     ++pending_;
     if (when.value - now_.value < kWheel) [[likely]] {
-      const std::size_t bucket = when.value % kWheel;
-      place(bucket, {&who, what, value});
-      occupied_[bucket / 64] |= std::uint64_t{1} << (bucket % 64);
+      place(when.value % kWheel, {&who, what, value});
     } else {
       push_far(when, {&who, what, value});
     }
@@ -72,21 +70,40 @@ class Calendar {
     std::uint64_t order;
     Appointment appointment;
   };
-  // Storage of kept buckets is used again for the next ones, so that it stays in the host's caches.
-  void place(std::size_t index, Appointment appointment) {
-    std::vector<Appointment>& bucket = buckets_[index];
-    if (bucket.capacity() == 0 && !spare_.empty()) {
-      bucket.swap(spare_.back());
-      spare_.pop_back();
+  static constexpr std::uint32_t kNil = 0xffffffffu;
+  struct Node {
+    Appointment appointment;
+    std::uint32_t next = kNil;
+  };
+  struct Bucket {
+    std::uint32_t first = kNil, last = kNil;
+  };
+  // Kept nodes are used again first, so that the pool's live part stays in the host's caches.
+  void place(std::size_t index, const Appointment& appointment) {
+    std::uint32_t node = free_;
+    if (node == kNil) [[unlikely]] {
+      node = static_cast<std::uint32_t>(nodes_.size());
+      nodes_.push_back({});
+    } else {
+      free_ = nodes_[node].next;
     }
-    bucket.push_back(appointment);
+    nodes_[node] = {appointment, kNil};
+    Bucket& bucket = buckets_[index];
+    if (bucket.first == kNil) {
+      bucket.first = node;
+      occupied_[index / 64] |= std::uint64_t{1} << (index % 64);
+    } else {
+      nodes_[bucket.last].next = node;
+    }
+    bucket.last = node;
   }
   void push_far(Cycles when, Appointment appointment);
   void pull_far();
   std::uint64_t distance_to_next_bucket() const;
 
-  std::array<std::vector<Appointment>, kWheel> buckets_;
-  std::vector<std::vector<Appointment>> spare_;
+  std::array<Bucket, kWheel> buckets_;
+  std::vector<Node> nodes_;
+  std::uint32_t free_ = kNil;
   std::array<std::uint64_t, kWheel / 64> occupied_{};
   std::vector<Far> far_;  // heap, earliest first
   std::uint64_t far_order_ = 0;

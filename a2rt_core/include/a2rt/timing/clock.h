@@ -17,6 +17,7 @@ class ClockDomain {
     A2RT_CHECK(mhz > 0 && core_mhz > 0, "a clock needs a frequency above 0 MHz");
   }
 
+  bool same() const { return mhz_ == core_mhz_; }
   // First edge of this domain at or after core cycle `core`, counted in this domain.
   Cycles from_core(Cycles core) const {
     return same() ? core : Cycles{ceil_div(core.value * mhz_, core_mhz_)};
@@ -27,7 +28,6 @@ class ClockDomain {
   }
 
  private:
-  bool same() const { return mhz_ == core_mhz_; }
   static std::uint64_t ceil_div(std::uint64_t a, std::uint64_t b) { return (a + b - 1) / b; }
   std::uint64_t mhz_ = 1, core_mhz_ = 1;
 };

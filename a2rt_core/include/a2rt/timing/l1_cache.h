@@ -1,10 +1,13 @@
 // The L1 data cache of one SM, shared by its load/store unit and its RT unit, which both see its
 // latency, banks and MSHRs.
 //
-// A read is looked up when it is accepted and answered `latency` later; a miss leaves for L2 after
-// the same latency (the lookup is at the end of the pipe, as in GPGPU-Sim). Lines are allocated
-// when their data comes. Shader stores write through without allocating; spilled stacks and
-// contexts, private to a thread, are kept and written back when evicted.
+// A read is looked up in the cycle its bank takes it and answered `latency` later; a miss leaves
+// for L2 after the same latency (the lookup is at the end of the pipe, as in GPGPU-Sim). Lines are
+// allocated when their data comes. Shader stores write through without allocating; spilled stacks
+// and contexts, private to a thread, are kept and written back when evicted.
+//
+// The sectors of one message enter the cache in consecutive cycles, but their tags are looked up
+// when the first does: what is filled or evicted meanwhile (a few cycles) does not show.
 #pragma once
 
 #include <cstdint>
@@ -12,30 +15,41 @@
 #include <vector>
 
 #include "a2rt/timing/budget.h"
-#include "a2rt/timing/calendar.h"
 #include "a2rt/timing/machine_config.h"
 #include "a2rt/timing/memory_port.h"
 #include "a2rt/timing/tag_store.h"
 
 namespace a2rt::timing {
 
-// Appointments that the L1 makes for its clients.
-enum L1Wake : std::uint32_t {
-  kL1Data = 0,      // value = token of the read
-  kL1Unblocked = 1  // an MSHR was freed after a read had been turned away
+class L1Client {
+ public:
+  virtual ~L1Client() = default;
+  // Sectors of a read that had missed; `ready` says when each can be used, never before `now`.
+  virtual void arrived(Cycles now, std::uint32_t token, SectorMask sectors,
+                       const SectorTimes& ready) = 0;
+  // An MSHR was freed after a read had been turned away.
+  virtual void unblocked(Cycles now) = 0;
 };
 
-class L1Cache final : public SectorSink {
+class L1Cache final : public LineSink {
  public:
-  L1Cache(const L1Config& config, Calendar& calendar, LowerLevel& lower, std::uint32_t sm);
+  L1Cache(const L1Config& config, LowerLevel& lower, std::uint32_t sm);
 
-  enum class Reply : std::uint8_t { kAccepted, kBankBusy, kMshrFull };
-  // On kAccepted the client is woken once with (kL1Data, token). On kMshrFull it is woken with
-  // kL1Unblocked when trying again makes sense; on kBankBusy it tries again next cycle.
-  Reply read(Cycles now, Address sector, Traffic kind, Component& client, std::uint32_t token);
-  Reply write(Cycles now, Address sector, Traffic kind);
+  struct Lookup {
+    SectorMask accepted =
+        0;                // the others were turned away by full MSHRs, from the first of them on
+    SectorMask hits = 0;  // of the accepted; the rest come by L1Client::arrived
+    SectorTimes ready{};  // of the hits
+    bool turned_away() const { return mshrs_full; }
+    bool mshrs_full = false;
+  };
+  // Sends the sectors one by one through `port`, each in the first cycle in which port and bank are
+  // free. When turned away, L1Client::unblocked tells when trying again makes sense.
+  Lookup read(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind,
+              L1Client& client, std::uint32_t token);
+  void write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind);
 
-  void fill(Cycles now, Address sector) override;
+  void fill(Cycles now, Cycles first, Address line, SectorMask sectors) override;
 
   const CacheCounts& counts() const { return counts_; }
   const TagStore& tags() const { return tags_; }
@@ -45,46 +59,47 @@ class L1Cache final : public SectorSink {
 
  private:
   static constexpr std::uint32_t kNil = 0xffffffffu;
+  // Reads of one client that wait for sectors of one line.
   struct Waiter {
-    Component* client;
-    std::uint32_t token;
-    std::uint32_t next;
-    Cycles earliest;
+    L1Client* client = nullptr;
+    std::uint32_t token = 0;
+    std::uint32_t next = kNil;
+    Cycles earliest;  // of the last sector
+    SectorMask wanted = 0;
   };
-  struct Mshr {
-    Address sector;
+  // The sectors of one line that are being fetched. One MSHR of the hardware holds one sector.
+  struct Pending {
+    std::uint64_t line = 0;
     std::uint32_t first = kNil, last = kNil, next = kNil;
-    std::uint32_t merged = 0;
+    std::array<std::uint16_t, kSectorsPerLine> merged{};
+    SectorMask sectors = 0;
     Traffic kind = Traffic::kNone;
   };
-  std::size_t bucket(Address sector) const {
-    return ((sector.value / kSectorBytes) * 0x9e3779b97f4a7c15u) >> 54;
-  }
-  // Banks are a power of two on every machine we know; others pay for a division.
-  Budget& bank_of(Address sector) {
-    const std::uint64_t index = sector.value / kSectorBytes;
-    return banks_[bank_mask_ != 0 ? index & bank_mask_ : index % banks_.size()];
-  }
-  std::uint32_t find_mshr(Address sector) const;
-  void add_waiter(Mshr& mshr, Component& client, std::uint32_t token, Cycles earliest);
-  void wait_for_mshr(Component& client);
-  void insert(Cycles now, Address sector, Traffic kind, bool dirty);
+  std::size_t bucket(std::uint64_t line) const { return (line * 0x9e3779b97f4a7c15u) >> 55; }
+  // Cycle in which a sector enters its bank.
+  Cycles enter(Cycles now, Port& port, Address sector);
+  std::uint32_t find(std::uint64_t line) const;
+  std::uint32_t obtain(std::uint64_t line, Traffic kind);
+  // Takes `sectors` as misses as far as there is room; returns those taken.
+  SectorMask take_misses(std::uint32_t& pending, Address line, SectorMask sectors, Traffic kind);
+  void add_waiter(Pending& pending, const Waiter& waiter);
+  void answer(Cycles now, Cycles first, Pending& pending, SectorMask sectors);
+  void insert(Cycles now, Address line, SectorMask sectors, Traffic kind, bool dirty);
 
   L1Config config_;
-  Calendar& calendar_;
   LowerLevel& lower_;
   std::uint32_t sm_;
   TagStore tags_;
-  std::vector<Budget> banks_;
+  std::vector<Bank> banks_;
   std::uint64_t bank_mask_ = 0;
-  std::vector<Mshr> mshrs_;
+  std::vector<Pending> pending_;
   std::vector<std::uint32_t> buckets_;
-  std::uint32_t free_mshr_ = kNil;
+  std::uint32_t free_pending_ = kNil;
   std::uint32_t mshrs_used_ = 0;
   std::vector<Waiter> waiters_;
   std::uint32_t free_waiter_ = kNil;
   std::uint32_t waiters_used_ = 0;
-  std::vector<Component*> turned_away_;
+  std::vector<L1Client*> turned_away_;
   CacheCounts counts_;
 };
 

@@ -1,39 +1,61 @@
 // The seam between the levels of the memory system, where tests put their mocks.
+//
+// Levels talk in lines: one message names the sectors wanted of one 128-byte line. Each sector
+// still takes its own cycle of every port, bank and lookup it goes through; only the messages are
+// fewer.
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 
 #include "a2rt/base/units.h"
 #include "a2rt/rt/event.h"
+#include "a2rt/timing/tag_store.h"
 
 namespace a2rt::timing {
 
 inline constexpr std::size_t kTrafficKinds = static_cast<std::size_t>(Traffic::kCount);
 using TrafficCounts = std::array<std::uint64_t, kTrafficKinds>;
 
+// A core cycle per sector of a line; only those of the sectors in question mean anything.
+using SectorTimes = std::array<Cycles, kSectorsPerLine>;
+
+inline std::uint32_t sectors_in(SectorMask mask) {
+  return static_cast<std::uint32_t>(std::popcount(mask));
+}
+// Calls f(sector) for each sector of the mask, ascending.
+template <class F>
+void for_each_sector(SectorMask mask, const F& f) {
+  for (std::uint32_t rest = mask; rest != 0; rest &= rest - 1) {
+    f(static_cast<std::uint32_t>(std::countr_zero(rest)));
+  }
+}
+
 // Receives the sectors a level asked for.
-class SectorSink {
+class LineSink {
  public:
-  virtual ~SectorSink() = default;
-  virtual void fill(Cycles now, Address sector) = 0;
+  virtual ~LineSink() = default;
+  // The i-th sector of the mask (ascending) is there in cycle `first` + i; first >= now.
+  virtual void fill(Cycles now, Cycles first, Address line, SectorMask sectors) = 0;
 };
 
 // What is below a cache.
 class LowerLevel {
  public:
   virtual ~LowerLevel() = default;
-  // A read is answered by exactly one SectorSink::fill of requester `sm`; a write by nothing.
-  // `leaves` is the core cycle at which the request leaves the cache above, never in the past.
-  virtual void request(Cycles leaves, std::uint32_t sm, Address sector, Traffic kind,
-                       bool write) = 0;
+  // Reads: every sector is answered once by LineSink::fill of requester `sm`, together or apart.
+  // Writes are answered by nothing. `leaves` is the core cycle at which the first sector's request
+  // leaves the cache above, never in the past; the others follow a cycle apart.
+  virtual void request(Cycles leaves, std::uint32_t sm, Address line, SectorMask sectors,
+                       Traffic kind, bool write) = 0;
 };
 
 // Accesses of one cache by kind of data, in sectors of 32 B.
 struct CacheCounts {
   TrafficCounts reads{}, hits{}, merges{}, misses{}, writes{};
-  std::uint64_t bank_conflicts = 0;  // attempts turned away
-  std::uint64_t mshr_full = 0;       // likewise
+  std::uint64_t bank_conflicts = 0;  // cycles lost
+  std::uint64_t mshr_full = 0;       // attempts turned away
   std::uint64_t fills = 0;
   std::uint64_t evictions = 0;
   std::uint64_t written_back = 0;

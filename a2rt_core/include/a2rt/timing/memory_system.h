@@ -1,9 +1,10 @@
 // Everything below the L1s: crossbar, L2 slices, DRAM channels.
 //
 // The crossbar moves one sector per cycle into and out of every SM and every slice. A slice starts
-// one lookup per L2 cycle; a hit answers `latency` later, a miss reaches its DRAM channel
-// `extra_latency` after that. L2 writes back and allocates on write without fetching (stores and
-// spills are whole sectors).
+// one sector's lookup per L2 cycle; a hit answers `latency` later, a miss reaches its DRAM channel
+// `extra_latency` after that. Ports and lookups are first come first served, so their queues are
+// no more than the cycle from which they are free. L2 writes back and allocates on write without
+// fetching (stores and spills are whole sectors).
 #pragma once
 
 #include <cstdint>
@@ -25,12 +26,13 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   MemorySystem(const MachineConfig& config, Calendar& calendar);
   // `calendar` is the SM's; it may lag or lead this system's by less than the crossbar's latency,
   // because nothing crosses faster.
-  void connect(std::uint32_t sm, SectorSink& sink, Calendar& calendar) {
+  void connect(std::uint32_t sm, LineSink& sink, Calendar& calendar) {
     sinks_.at(sm) = &sink;
     sm_calendars_.at(sm) = &calendar;
   }
 
-  void request(Cycles leaves, std::uint32_t sm, Address sector, Traffic kind, bool write) override;
+  void request(Cycles leaves, std::uint32_t sm, Address line, SectorMask sectors, Traffic kind,
+               bool write) override;
 
   const CacheCounts& l2_counts() const { return l2_counts_; }
   const TrafficCounts& dram_reads() const { return dram_reads_; }
@@ -45,14 +47,16 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   void check_drained() const override;
 
  private:
-  enum Wake : std::uint32_t { kAtSlice, kLookup, kAtDram, kWriteAtDram, kAtSm };
+  enum Wake : std::uint32_t { kAtSlice, kLookAgain, kAtDram, kWriteAtDram, kAtSm };
   static constexpr std::uint32_t kNil = 0xffffffffu;
+  // Sectors of one line on their way; below the L2's lookup, misses go one by one.
   struct Request {
-    Address sector;
-    std::uint64_t local = 0;  // within the slice
+    Address line;
+    std::uint64_t local = 0;  // of the line, within the slice; of the sector, once missed
     std::uint32_t sm = 0, slice = 0, next = kNil;
     Traffic kind = Traffic::kNone;
-    bool write = false, waited_for_mshr = false, refill = false;
+    SectorMask sectors = 0;
+    bool write = false;
   };
   struct Slice {
     TagStore tags;
@@ -64,12 +68,14 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   };
   std::uint32_t allocate();
   void release(std::uint32_t index);
-  void lookup(Cycles now, std::uint32_t index);
-  void miss(Cycles now, std::uint32_t index);
+  void at_slice(Cycles now, std::uint32_t index);
+  void split(Cycles start, std::uint32_t index, SectorMask hits);
+  void look_again(Cycles now, std::uint32_t index);
+  void miss(Cycles start, std::uint32_t index);
   void wake_blocked(Cycles now, Slice& slice);
   void deliver(Cycles now, std::uint32_t index);
   void respond(Cycles ready, std::uint32_t index);
-  void insert(Cycles now, Slice& slice, std::uint32_t slice_index, std::uint64_t local,
+  void insert(Cycles now, std::uint32_t slice, std::uint64_t local, SectorMask sectors,
               Traffic kind, bool dirty);
   std::uint64_t channel_local(std::uint32_t slice, std::uint64_t local) const;
   void dram_done(Cycles now, std::uint32_t tag) override;
@@ -82,7 +88,7 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   ClockDomain l2_clock_;
   std::vector<Slice> slices_;
   std::vector<std::unique_ptr<DramChannel>> channels_;
-  std::vector<SectorSink*> sinks_;
+  std::vector<LineSink*> sinks_;
   std::vector<Calendar*> sm_calendars_;
   std::vector<Cycles> sm_out_free_, sm_in_free_;
   std::vector<Request> requests_;

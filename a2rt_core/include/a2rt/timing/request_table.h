@@ -1,7 +1,9 @@
 // The outstanding fetches of one warp in the RT unit's buffer, merged by sector.
 //
-// Lanes that want the same sector share one request, whether it still waits for the L1 port or is
-// already under way. Requests are sent in the order in which their line was first asked for.
+// Lanes that want the same sector share one request, whether it still waits for the L1 port, waits
+// for its data, or has been found in L1 and is on its way out of the cache's pipe. Lines are sent
+// in the order in which they were first asked for. A lane waits for lines; it is told about each
+// once, when the last of its sectors there has a time.
 #pragma once
 
 #include <array>
@@ -10,30 +12,46 @@
 
 #include "a2rt/base/units.h"
 #include "a2rt/rt/event.h"
-#include "a2rt/timing/tag_store.h"
+#include "a2rt/timing/memory_port.h"
 
 namespace a2rt::timing {
 
 class RequestTable {
  public:
   RequestTable();
+  // Forgets the data on its way; nothing may wait to be sent or be under way.
+  void clear();
 
-  // Lane `lane` wants the sectors of [address, address + bytes). Returns how many of
-  // them it was not waiting for already.
-  std::uint32_t add(std::uint32_t lane, Address address, std::uint32_t bytes, Traffic kind);
+  struct Added {
+    std::uint32_t sectors = 0;  // asked for; those the lane already waits for do not count
+    std::uint32_t lines = 0;    // that the lane has to wait for and did not before
+    Cycles ready;               // when the sectors of known arrival are all there
+  };
+  // Lane `lane` wants the sectors of [address, address + bytes) at `now`.
+  Added add(Cycles now, std::uint32_t lane, Address address, std::uint32_t bytes, Traffic kind);
 
   bool nothing_to_send() const { return first_ == kNil; }
   struct Next {
-    Address sector;
+    Address line;
+    SectorMask sectors;
     Traffic kind;
     std::uint32_t token;  // to be given back to arrived()
   };
   Next next() const;
-  // The request shown by next() was accepted.
-  void sent();
-  // The sector's data came; returns the lanes that wanted it (bit per lane).
-  std::uint32_t arrived(std::uint32_t token);
+  // Of the request shown by next(), `accepted` were taken by L1.
+  void sent(SectorMask accepted);
 
+  // A lane and the cycle in which its last sector of a line is there.
+  struct Arrival {
+    std::uint32_t lane;
+    Cycles ready;
+    bool line_complete;
+  };
+  // The times of some sectors of a sent request became known. Appends to `out`.
+  void arrived(std::uint32_t token, SectorMask sectors, const SectorTimes& ready,
+               std::vector<Arrival>& out);
+
+  // Lines with sectors to send or under way.
   std::uint32_t live() const { return live_; }
 
  private:
@@ -41,13 +59,17 @@ class RequestTable {
   static constexpr std::size_t kBuckets = 128;
   struct Entry {
     std::uint64_t line = 0;
-    std::array<std::uint32_t, kSectorsPerLine> lanes{};
+    Cycles known;                                        // when all sectors of `arriving` are there
+    std::array<std::uint32_t, kSectorsPerLine> lanes{};  // waiting, bit per lane
     std::uint16_t hash_next = kNil, queue_next = kNil;
-    std::uint8_t to_send = 0, in_flight = 0;
+    SectorMask to_send = 0, in_flight = 0, arriving = 0;
     Traffic kind = Traffic::kNone;
+    bool busy() const { return (to_send | in_flight) != 0; }
   };
   std::size_t bucket(std::uint64_t line) const { return (line * 0x9e3779b97f4a7c15u) >> 57; }
-  std::uint16_t obtain(std::uint64_t line, Traffic kind);
+  std::uint16_t obtain(Cycles now, std::uint64_t line, Traffic kind);
+  void add_line(Cycles now, std::uint32_t lane, std::uint16_t index, SectorMask wanted,
+                Added& added);
 
   std::vector<Entry> entries_;
   std::array<std::uint16_t, kBuckets> buckets_;

@@ -4,6 +4,10 @@
 // It replays the events of each ray. A fetch waits for all its sectors; a test waits for its
 // tester; stack and context entries beyond what is kept on chip cost stores and loads; a candidate
 // for an any-hit or intersection shader leaves for the SM and comes back.
+//
+// Whatever a lane does alone is worked out as soon as its start is known: when the last sector is
+// found in L1, the tests on it are reserved at once and the lane has one appointment, at its next
+// fetch. The port sends what is queued for the next few cycles in one appointment.
 #pragma once
 
 #include <array>
@@ -53,7 +57,7 @@ struct RtCounts {
   std::array<std::uint64_t, static_cast<std::size_t>(EventKind::kCount)> events{};
   TrafficCounts fetches{}, fetch_bytes{}, sectors_wanted{};  // before merging
   std::uint64_t rays = 0, warps = 0;
-  std::uint64_t sectors_sent = 0, stores_sent = 0;
+  std::uint64_t sectors_sent = 0, stores_sent = 0, port_cycles = 0;
   std::uint64_t stack_spills = 0, stack_fills = 0;      // sectors
   std::uint64_t context_spills = 0, context_fills = 0;  // contexts
   std::uint64_t context_refetches = 0;
@@ -62,7 +66,7 @@ struct RtCounts {
   std::uint64_t warp_cycles = 0;  // residence, summed over warps
 };
 
-class RtEngine final : public Component {
+class RtEngine final : public Component, public L1Client {
  public:
   RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& calendar, L1Cache& l1,
            RaySource& source, RtHost& host);
@@ -78,33 +82,38 @@ class RtEngine final : public Component {
   const TesterPool& pool(Tester t) const { return pools_[static_cast<std::size_t>(t)]; }
   const BinnedSeries& occupancy() const { return occupancy_; }
   const BinnedSeries& active_lanes() const { return active_series_; }
+  const BinnedSeries& port_use() const { return port_series_; }
 
   void wake(Cycles now, std::uint32_t what, std::uint32_t value) override;
+  void arrived(Cycles now, std::uint32_t token, SectorMask sectors,
+               const SectorTimes& ready) override;
+  void unblocked(Cycles now) override;
   std::string dump() const override;
   void check_drained() const override;
 
  private:
-  // Beyond L1Wake's values.
-  enum Wake : std::uint32_t { kLane = 16, kPort };
-  enum class LaneState : std::uint8_t { kNone, kFetch, kTest, kCandidate, kAtShader, kDone };
+  enum Wake : std::uint32_t { kLane, kNearLanes, kPort };
+  // kRun: in a tester, or its next cycle is known.
+  enum class LaneState : std::uint8_t { kNone, kFetch, kRun, kCandidate, kAtShader, kDone };
   struct Step {
     Tester tester = Tester::kBox;
     std::uint32_t count = 0;
   };
   struct Lane {
-    Cycles since, started;
+    Cycles since, started, ready;
     std::uint32_t ray = kNone;
     std::uint32_t cursor = 0;
-    std::uint32_t missing = 0;  // sectors
+    std::uint32_t missing = 0;  // lines
     std::uint32_t stack = 0, stack_spilled = 0;
     std::uint32_t context = 0, context_spilled = 0;
     std::uint32_t ordinal = 0;
     LaneState state = LaneState::kNone;
     bool intersection = false;
-    // Tests that one event stands for and that follow each other.
+    // Tests that follow a fetch which one event stands for.
     std::uint8_t steps = 0, step = 0;
     std::array<Step, 2> step_list{};
   };
+  static constexpr std::uint32_t kNear = 64;
   struct Slot {
     bool used = false, judging = false;
     std::uint32_t warp = 0;
@@ -116,18 +125,23 @@ class RtEngine final : public Component {
     std::array<std::vector<Event>, kLanes> events;
     RequestTable requests;
     std::vector<CandidateJob> jobs;
+    // Lanes that go on in the same near cycle share an appointment: bit per lane, by cycle.
+    std::array<std::uint32_t, kNear> wake_at{};
   };
-  void run_lane(Cycles now, std::uint32_t slot, std::uint32_t lane);
+  // The lane goes on in cycle `at`, which may be later than `now`.
+  void run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
+  // Works out the lane's tests from `at` on; stops before the first event that concerns others.
+  Cycles run_tests(Cycles now, Cycles at, Lane& lane, const std::vector<Event>& events);
+  bool test_event(Cycles& at, Lane& lane, const std::vector<Event>& events);
+  Cycles issue(Cycles at, Tester tester, std::uint32_t count);
+  void appoint(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
   // Each returns true if the lane has to wait before its next event.
   bool do_event(Cycles now, std::uint32_t slot, std::uint32_t lane, const Event& event);
   bool fetch(Cycles now, std::uint32_t slot, std::uint32_t lane, Address address,
              std::uint32_t bytes, Traffic kind);
-  // Counts and registers one record; returns the sectors the lane waits for because of it.
-  std::uint32_t want(Slot& slot, std::uint32_t lane, Address address, std::uint32_t bytes,
-                     Traffic kind);
-  bool test(Cycles now, std::uint32_t slot, std::uint32_t lane, Tester tester, std::uint32_t count);
-  bool test_node(Cycles now, std::uint32_t slot, std::uint32_t lane, std::uint32_t boxes);
-  TesterPool& pool_for(Tester tester);
+  // Counts and registers one record.
+  void want(Cycles now, Slot& slot, std::uint32_t lane, Address address, std::uint32_t bytes,
+            Traffic kind);
   void push(Cycles now, std::uint32_t slot, std::uint32_t lane, std::uint32_t count);
   bool pop(Cycles now, std::uint32_t slot, std::uint32_t lane, std::uint32_t count);
   void push_context(Cycles now, std::uint32_t slot, std::uint32_t lane);
@@ -136,16 +150,18 @@ class RtEngine final : public Component {
   bool suspend(Cycles now, std::uint32_t slot, std::uint32_t lane, const Event& event);
   void maybe_judge(Cycles now, std::uint32_t slot);
   void end_ray(Cycles now, std::uint32_t slot, std::uint32_t lane);
+  void end_warp(Cycles now, std::uint32_t slot);
   void set_state(Cycles now, Lane& lane, LaneState state);
-  void data(Cycles now, std::uint32_t token);
+  void book_lane(Lane& lane, Cycles until, LaneReason reason);
+  void tell_lanes(Cycles now, std::uint32_t slot);
   void kick_port(Cycles now);
   void run_port(Cycles now);
   std::uint32_t oldest_with_requests() const;
   Address stack_address(std::uint32_t slot, std::uint32_t lane, std::uint32_t entry,
                         std::uint32_t bytes, std::uint64_t area) const;
-  void store(Cycles now, Address address, std::uint32_t bytes);
-  bool send_store(Cycles now);
-  bool send_request(Cycles now, std::uint32_t slot);
+  void store(Cycles now, Address address, std::uint32_t bytes, Traffic kind);
+  void send_store(Cycles now);
+  void send_request(Cycles now, std::uint32_t slot);
   RtReason reason() const;
   void account(Cycles now);
 
@@ -155,20 +171,24 @@ class RtEngine final : public Component {
   L1Cache& l1_;
   RaySource& source_;
   RtHost& host_;
-  ClockDomain clock_;
   std::array<TesterPool, kTesters> pools_;
   std::vector<std::unique_ptr<Slot>> slots_;
   std::vector<std::uint32_t> by_age_;  // resident slots, oldest first
   std::uint32_t resident_ = 0;
-  std::vector<Address> stores_;  // sectors, sent in order
+  struct Store {
+    Address sector;
+    Traffic kind;
+  };
+  std::vector<Store> stores_;  // sent in order
   std::size_t stores_head_ = 0;
-  Budget port_;
-  bool port_booked_ = false, port_blocked_ = false, bank_busy_ = false;
-  Cycles port_free_;
-  std::uint32_t in_fetch_ = 0, in_test_ = 0, in_shader_ = 0;  // lanes
+  Port port_;
+  bool port_booked_ = false, port_blocked_ = false;
+  std::vector<RequestTable::Arrival> arrivals_;
+  std::uint32_t in_unit_ = 0, in_shader_ = 0;  // lanes
   RtCounts counts_;
   Attribution<RtReason> attribution_;
-  BinnedSeries occupancy_, active_series_;
+  BusyCycles testing_;
+  BinnedSeries occupancy_, active_series_, port_series_;
   Cycles series_until_;
 };
 

@@ -5,6 +5,9 @@
 // the capture counts instructions but not their dependences. Loads are spread evenly over the
 // segment's arithmetic and issued `loads_in_flight` at a time before their use; stores end the
 // segment.
+//
+// Arithmetic concerns nobody but its scheduler: it is worked out when a warp reaches something that
+// does (a load, a store, a trace, the end of its segment) or when another warp becomes ready.
 #pragma once
 
 #include <array>
@@ -49,7 +52,7 @@ struct SmCounts {
   std::uint64_t instructions() const { return alu + sfu + uniform + loads + stores + traces; }
 };
 
-class Sm final : public Component, public RtHost {
+class Sm final : public Component, public RtHost, public L1Client {
  public:
   Sm(const MachineConfig& config, std::uint32_t index, Calendar& calendar, LowerLevel& lower,
      RaySource& source, const ShaderAddresses& addresses, SmHost& host);
@@ -68,27 +71,36 @@ class Sm final : public Component, public RtHost {
   const BinnedSeries& occupancy() const { return occupancy_; }
 
   void wake(Cycles now, std::uint32_t what, std::uint32_t value) override;
+  void arrived(Cycles now, std::uint32_t token, SectorMask sectors,
+               const SectorTimes& ready) override;
+  void unblocked(Cycles now) override;
   std::string dump() const override;
   void check_drained() const override;
 
  private:
-  // Beyond L1Wake's values.
-  enum Wake : std::uint32_t { kIssue = 16, kLsuPort, kJudge, kResume };
+  enum Wake : std::uint32_t { kIssue, kLsuPort, kData, kJudge, kResume };
   enum class State : std::uint8_t { kEmpty, kReady, kMemory, kLsu, kRtSlot, kInRt, kCount };
-  struct Warp {
-    State state = State::kEmpty;
-    bool judging = false, retire_after = false;
-    Cycles ready, launched, traced;
+  // What a scheduler looks at in every cycle, apart from the rest to stay in the host's caches.
+  struct Front {
+    Cycles ready;
     std::uint64_t age = 0;
+    std::uint32_t uniform = 0, alu = 0, sfu = 0;  // left of the phase
+    State state = State::kEmpty;
+    std::uint8_t scheduler = 0;
+    bool has_arithmetic() const { return (uniform | alu | sfu) != 0; }
+  };
+  struct Warp {
+    bool judging = false;
+    Cycles launched, traced, data;
     std::uint32_t number = 0, width = 1;
-    std::uint32_t outstanding = 0;  // sectors loaded
+    std::uint32_t outstanding = 0;  // sectors loaded, of unknown arrival
     WarpProgram program;
     SegmentWork work;
     LaneRays rays{};
     std::vector<CandidateJob> jobs;
-    // What is left of the segment.
-    std::uint32_t uniform = 0, alu = 0, sfu = 0, loads = 0, stores = 0;
-    std::uint32_t alu_phase = 0, sfu_phase = 0, loads_phase = 0, phases = 0;
+    // What is left of the segment after this phase.
+    std::uint32_t alu = 0, sfu = 0, loads = 0, stores = 0;
+    std::uint32_t loads_phase = 0, phases = 0;
     std::array<std::uint32_t, 3> loads_left{};   // buffer, texture, payload
     std::array<std::uint32_t, 2> stores_left{};  // buffer, payload
   };
@@ -101,15 +113,18 @@ class Sm final : public Component, public RtHost {
     Attribution<SchedulerReason> attribution;
   };
   struct LsuEntry {
-    Address sector;
+    Address line;
     std::uint32_t slot;
+    SectorMask sectors;
     bool write;
-    Traffic kind;
   };
   enum class Issue : std::uint8_t { kNothing, kAgain, kIssued };
 
   // sm.cpp: scheduling
   void issue(Cycles now, std::uint32_t scheduler);
+  void advance(Cycles end, std::uint32_t scheduler);
+  Cycles next_issue(const Scheduler& scheduler, std::uint32_t index) const;
+  Cycles earliest_end(const Scheduler& scheduler, const Front& front) const;
   std::uint32_t choose(Cycles now, const Scheduler& scheduler, std::uint32_t index) const;
   void book(Cycles now, std::uint32_t scheduler);
   void set_state(Cycles now, std::uint32_t slot, State state);
@@ -120,10 +135,10 @@ class Sm final : public Component, public RtHost {
   void retire(Cycles now, std::uint32_t slot);
 
   // sm_segment.cpp: a warp's way through its segment
-  void begin_work(Warp& warp);
-  void begin_phase(Warp& warp);
+  void begin_work(std::uint32_t slot);
+  void begin_phase(std::uint32_t slot);
   Issue step(Cycles now, std::uint32_t slot, std::uint32_t scheduler);
-  Issue issue_arithmetic(Cycles now, Warp& warp, Scheduler& scheduler);
+  Issue issue_arithmetic(Cycles now, Front& front, Scheduler& scheduler);
   Issue issue_load(Cycles now, std::uint32_t slot, Scheduler& scheduler);
   Issue issue_store(Cycles now, std::uint32_t slot, Scheduler& scheduler);
   Issue end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler);
@@ -132,6 +147,8 @@ class Sm final : public Component, public RtHost {
                      bool write);
   void kick_lsu(Cycles now);
   void run_lsu(Cycles now);
+  void send(Cycles now, LsuEntry& entry);
+  void data_known(Cycles now, std::uint32_t slot);
   void spend(Cycles now, Scheduler& scheduler, std::uint32_t slots, SchedulerReason reason);
 
   void rays_done(Cycles now, std::uint32_t warp, Cycles ready) override;
@@ -146,14 +163,15 @@ class Sm final : public Component, public RtHost {
   SmHost& host_;
   L1Cache l1_;
   RtEngine rt_;
+  std::vector<Front> fronts_;  // by slot, like warps_
   std::vector<Warp> warps_;
   std::vector<Scheduler> schedulers_;
   std::vector<std::uint32_t> waiting_for_rt_;  // slots, in order of arrival
   std::vector<LsuEntry> lsu_;
   std::size_t lsu_head_ = 0;
+  std::uint32_t lsu_sectors_ = 0;  // queued
   bool lsu_booked_ = false, lsu_blocked_ = false;
-  Cycles lsu_free_;
-  Budget lsu_budget_;
+  Port lsu_port_;
   std::vector<Address> scratch_;
   SmHost::NewWarp new_warp_{};
   std::uint32_t resident_ = 0;

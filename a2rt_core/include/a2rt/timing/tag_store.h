@@ -16,6 +16,9 @@ inline constexpr std::uint64_t kLineBytes = 128;
 inline constexpr std::uint64_t kSectorBytes = 32;
 inline constexpr std::uint32_t kSectorsPerLine = 4;
 
+// Sectors of one line: bit s stands for sector s.
+using SectorMask = std::uint8_t;
+
 constexpr Address sector_of(Address a) { return Address{a.value & ~(kSectorBytes - 1)}; }
 constexpr std::uint64_t line_of(Address a) { return a.value / kLineBytes; }
 constexpr std::uint32_t sector_index(Address a) {
@@ -30,23 +33,31 @@ class TagStore {
   // A line thrown out; `dirty` has a bit per sector to be written below.
   struct Victim {
     std::uint64_t line = 0;
-    std::uint8_t dirty = 0;
+    SectorMask dirty = 0;
     std::array<Traffic, kSectorsPerLine> kinds{};
   };
 
-  // True if the sector is valid; makes its line the most recent.
-  bool touch(Address sector) {
-    const std::uint32_t index = find(line_of(sector));
-    if (index == kNoLine || (lines_[index].valid >> sector_index(sector) & 1) == 0) {
-      return false;
+  // Those of the line's `wanted` sectors that are valid; if any, the line becomes the most recent.
+  SectorMask touch(Address line, SectorMask wanted) {
+    const std::uint32_t index = find(line_of(line));
+    if (index == kNoLine) {
+      return 0;
     }
-    make_newest(index);
-    return true;
+    const auto found = static_cast<SectorMask>(lines_[index].valid & wanted);
+    if (found != 0) {
+      make_newest(index);
+    }
+    return found;
   }
-  bool contains(Address sector) const;
-  // Makes the sector valid (and dirty), allocating its line at the expense of the set's LRU line.
-  std::optional<Victim> insert(Cycles now, Address sector, Traffic kind, bool dirty);
-  void invalidate(Cycles now, Address sector);
+  // Those of the line's sectors that are valid.
+  SectorMask valid(Address line) const {
+    const std::uint32_t index = find(line_of(line));
+    return index == kNoLine ? SectorMask{0} : lines_[index].valid;
+  }
+  bool contains(Address sector) const { return valid(sector) >> sector_index(sector) & 1; }
+  // Makes the sectors valid (and dirty), allocating their line at the expense of the set's LRU one.
+  std::optional<Victim> insert(Cycles now, Address line, SectorMask sectors, Traffic kind,
+                               bool dirty);
 
   std::uint64_t line_count() const { return lines_.size(); }
   // Sector-cycles of residence by kind up to `now`: what the cache was filled with over time.
@@ -56,8 +67,8 @@ class TagStore {
   static constexpr std::uint32_t kNoLine = 0xffffffffu;
   struct Line {
     std::uint64_t tag = 0;
-    std::uint32_t older = kNoLine, newer = kNoLine, hash_next = kNoLine, set = 0;
-    std::uint8_t valid = 0, dirty = 0;
+    std::uint32_t older = kNoLine, newer = kNoLine, hash_next = kNoLine;
+    SectorMask valid = 0, dirty = 0;
     bool used = false;
     std::array<Traffic, kSectorsPerLine> kinds{};
   };
@@ -72,12 +83,28 @@ class TagStore {
     }
     return index;
   }
-  void make_newest(std::uint32_t index);
+  // Sets are a power of two on every machine we know; others pay for a division.
+  std::uint64_t set_of(std::uint64_t line) const {
+    return set_mask_ != kNoMask ? line & set_mask_ : line % sets_.size();
+  }
+  void make_newest(std::uint32_t index) {
+    Line& line = lines_[index];
+    if (line.newer == kNoLine) {
+      return;
+    }
+    Set& set = sets_[set_of(line.tag)];
+    lines_[line.newer].older = line.older;
+    (line.older != kNoLine ? lines_[line.older].newer : set.oldest) = line.newer;
+    line.older = set.newest;
+    line.newer = kNoLine;
+    lines_[set.newest].newer = index;
+    set.newest = index;
+  }
   void unlink_hash(std::uint32_t index);
   void change_residence(Cycles now, Traffic kind, int delta);
+  static constexpr std::uint64_t kNoMask = ~std::uint64_t{0};
 
-  std::uint32_t ways_ = 0;
-  std::uint64_t sets_count_ = 1;
+  std::uint64_t set_mask_ = 0;
   std::uint32_t hash_shift_ = 0;
   std::vector<Line> lines_;
   std::vector<Set> sets_;
