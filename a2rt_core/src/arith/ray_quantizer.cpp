@@ -252,6 +252,15 @@ float RayQuantizer::remaining(float t_closest, float t_shift) const {
   if (t_closest == kInfinity) {
     return largest_;
   }
+  // Short cut: the format's numbers are FP32 numbers, so the nearest FP32 number, if it lies
+  // strictly between two of them, is between the same two as the exact difference.
+  const float nearest = t_closest - t_shift;
+  const bool faulty = mutant(Mutant::kLeftRoundsDown) || mutant(Mutant::kSubRoundsNearest) ||
+                      mutant(Mutant::kResidualIgnored);
+  if (!faulty && precision_.rounding == QuantRounding::kConservative &&
+      (std::bit_cast<std::uint32_t>(nearest) & dropped_bits_) != 0) {
+    return std::min(round_far(nearest), largest_);
+  }
   const float left =
       mutant(Mutant::kLeftRoundsDown) ? sub_down(t_closest, t_shift) : sub_up(t_closest, t_shift);
   if (precision_.rounding == QuantRounding::kNearest) {

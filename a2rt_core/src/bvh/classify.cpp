@@ -75,7 +75,9 @@ Classification classify(WideBvh& bvh, const ClassifyConfig& config) {
       is_group[s] = stays ? 0 : 1;
       groups += stays ? 0U : 1U;
     }
+    ++result.inner_nodes;
     if (groups > 0) {
+      ++result.group_parents;
       order_siblings(siblings, is_group);
     }
     for (std::uint32_t s = 0; s < siblings.size(); ++s) {

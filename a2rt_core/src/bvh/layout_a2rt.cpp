@@ -9,98 +9,160 @@ namespace {
 
 constexpr std::uint32_t kGroupBit = 0x80, kLeafField = 0x7f;
 
-// Byte offset of every record: the root, then per inner record its children.
-std::vector<std::uint32_t> place(const WideBvh& bvh, const Classification& classes,
-                                 std::uint32_t sub_bytes, std::uint32_t alignment,
-                                 std::uint64_t& total, const std::string& what) {
-  std::vector<std::uint32_t> offset(bvh.records.size(), 0);
-  total = kA2rtGroupBytes;
-  for (const BvhRecord& parent : bvh.records) {
-    if (parent.leaf()) {
-      continue;
-    }
-    total = (total + alignment - 1) / alignment * alignment;
-    for (std::uint32_t c = parent.first; c < parent.first + parent.count; ++c) {
-      offset[c] = static_cast<std::uint32_t>(total);
-      total += classes.is_group[c] != 0 ? kA2rtGroupBytes : sub_bytes;
-    }
-    if (total > std::numeric_limits<std::uint32_t>::max()) {
-      throw UserError(what + ": its nodes exceed the 4 GiB that A2RT's addresses reach");
-    }
-  }
-  return offset;
+bool one_scale(const arith::A2rtPrecision& precision) {
+  return precision.scales == arith::ScaleSharing::kSingle;
 }
 
-void write_range(ByteWriter& out, const BvhRecord& r, const std::vector<std::uint32_t>& offset,
-                 const Classification& classes, std::uint32_t sub_bytes) {
-  if (r.leaf()) {
-    out.u32(r.first);
-    out.u32(r.first + r.count);
-    return;
-  }
-  const std::uint32_t last = r.first + r.count - 1;
-  out.u32(offset[r.first]);
-  out.u32(offset[last] + (classes.is_group[last] != 0 ? kA2rtGroupBytes : sub_bytes));
-}
+// Writes the records breadth first. Children are given the next free bytes when their parent is
+// written, and are written in the same order, so no table of offsets is needed. (The order of the
+// tree's records is not it: classification moved siblings, not their children.)
+class Encoder {
+ public:
+  Encoder(const WideBvh& bvh, const Classification& classes, const arith::A2rtPrecision& precision,
+          std::uint32_t alignment, const std::string& what, A2rtRecordSink* sink)
+      : bvh_(bvh),
+        classes_(classes),
+        precision_(precision),
+        alignment_(alignment),
+        what_(what),
+        sink_(sink),
+        group_bytes_(a2rt_group_bytes(precision)),
+        sub_bytes_(a2rt_sub_bytes(precision)),
+        next_(group_bytes_) {}
 
-void write_planes(ByteWriter& out, const arith::QuantizedBox& box, int bits) {
-  for (std::size_t a = 0; a < 6; ++a) {
-    const std::uint32_t plane = a < 3 ? box.lo[a] : box.hi[a - 3];
-    if (bits == 8) {
-      out.u8(plane);
+  std::vector<std::byte> run() {
+    std::vector<std::byte> bytes;
+    frames_.reserve(classes_.group_nodes);
+    frame_.resize(bvh_.records.size());
+    parents_.reserve(classes_.inner_nodes);
+    const std::uint64_t packed =
+        classes_.group_nodes * group_bytes_ + classes_.sub_nodes * sub_bytes_;
+    ByteWriter out(bytes, packed);
+    write(0, out);
+    for (std::size_t p = 0; p < parents_.size(); ++p) {
+      const BvhRecord& parent = bvh_.records[parents_[p]];
+      out.pad_to(aligned(out.size()));
+      if (sink_ != nullptr) {
+        sink_->next_parent();
+      }
+      for (std::uint32_t c = parent.first; c < parent.first + parent.count; ++c) {
+        write(c, out);
+      }
+    }
+    out.finish();
+    return bytes;
+  }
+
+ private:
+  std::uint64_t aligned(std::uint64_t at) const {
+    return (at + alignment_ - 1) / alignment_ * alignment_;
+  }
+  bool is_group(std::uint32_t record) const { return classes_.is_group[record] != 0; }
+
+  struct Range {
+    std::uint32_t start, end;
+  };
+
+  // Where the record's children or primitives are; children get the next free bytes.
+  Range place_children(const BvhRecord& r) {
+    if (r.leaf()) {
+      return {r.first, r.first + r.count};
+    }
+    const std::uint64_t start = aligned(next_);
+    next_ = start;
+    for (std::uint32_t c = r.first; c < r.first + r.count; ++c) {
+      next_ += is_group(c) ? group_bytes_ : sub_bytes_;
+    }
+    if (next_ > std::numeric_limits<std::uint32_t>::max()) {
+      throw UserError(what_ + ": its nodes exceed the 4 GiB that A2RT's addresses reach");
+    }
+    return {static_cast<std::uint32_t>(start), static_cast<std::uint32_t>(next_)};
+  }
+
+  void write(std::uint32_t i, ByteWriter& out) {
+    const BvhRecord& r = bvh_.records[i];
+    const auto offset = static_cast<std::uint32_t>(out.size());
+    const Range range = place_children(r);
+    if (!r.leaf()) {
+      parents_.push_back(i);
+    }
+    out.u8((is_group(i) ? kGroupBit : 0U) | (r.leaf() ? kLeafField : 0U));
+    if (is_group(i)) {
+      write_group(i, out);
     } else {
-      out.bits(plane, bits);
+      write_sub(i, out);
+    }
+    out.u32(range.start);
+    out.u32(range.end);
+    if (sink_ == nullptr) {
+      return;
+    }
+    if (is_group(i)) {
+      sink_->group(i, offset, range.start, frames_.back());
+    } else {
+      sink_->sub(i, offset, range.start, last_box_);
     }
   }
-  out.align();
-}
+
+  void write_group(std::uint32_t i, ByteWriter& out) {
+    const Box& box = bvh_.records[i].box;
+    frame_[i] = static_cast<std::uint32_t>(frames_.size());
+    frames_.push_back(arith::make_group_frame(box, precision_, what_));
+    out.box(box);
+    if (one_scale(precision_)) {
+      out.f32(frames_.back().scale.x);
+    } else {
+      out.vec3(frames_.back().scale);
+    }
+  }
+
+  void write_sub(std::uint32_t i, ByteWriter& out) {
+    const std::uint32_t group = classes_.group[i];
+    last_box_ = arith::quantize_box(bvh_.records[i].box, bvh_.records[group].box,
+                                    frames_[frame_[group]], precision_, what_);
+    for (std::size_t a = 0; a < 6; ++a) {
+      const std::uint32_t plane = a < 3 ? last_box_.lo[a] : last_box_.hi[a - 3];
+      if (precision_.box_bits == 8) {
+        out.u8(plane);
+      } else {
+        out.bits(plane, precision_.box_bits);
+      }
+    }
+    out.align();
+  }
+
+  const WideBvh& bvh_;
+  const Classification& classes_;
+  const arith::A2rtPrecision& precision_;
+  std::uint64_t alignment_;
+  const std::string& what_;
+  A2rtRecordSink* sink_;
+  std::uint32_t group_bytes_, sub_bytes_;
+  std::uint64_t next_;                     // first byte without an owner
+  std::vector<arith::GroupFrame> frames_;  // of the groups, in record order
+  std::vector<std::uint32_t> frame_;       // per record: index into frames_, groups only
+  std::vector<std::uint32_t> parents_;     // inner records in the order written
+  arith::QuantizedBox last_box_;
+};
 
 }  // namespace
+
+std::uint32_t a2rt_group_bytes(const arith::A2rtPrecision& precision) {
+  return 1 + 24 + (one_scale(precision) ? 4U : 12U) + 8;
+}
 
 std::uint32_t a2rt_sub_bytes(const arith::A2rtPrecision& precision) {
   return static_cast<std::uint32_t>((6 * precision.box_bits + 7) / 8 + 9);
 }
 
-A2rtLayout encode_a2rt(const WideBvh& bvh, const Classification& classes,
-                       const arith::A2rtPrecision& precision, std::uint32_t alignment,
-                       const std::string& what) {
-  A2rtLayout layout;
+std::vector<std::byte> encode_a2rt(const WideBvh& bvh, const Classification& classes,
+                                   const arith::A2rtPrecision& precision, std::uint32_t alignment,
+                                   const std::string& what, A2rtRecordSink* sink) {
   if (bvh.empty() || bvh.records[0].leaf()) {
-    return layout;
+    return {};
   }
   check_boxes(bvh, what);  // names the node; below, every box is known to be encodable
-  const std::uint32_t sub_bytes = a2rt_sub_bytes(precision);
-  std::uint64_t total = 0;
-  layout.offset = place(bvh, classes, sub_bytes, alignment, total, what);
-  layout.qbox.resize(bvh.records.size());
-  std::vector<arith::GroupFrame> frames;                 // of the groups, in the order written
-  std::vector<std::uint32_t> frame(bvh.records.size());  // index into `frames`, groups only
-  ByteWriter out(layout.bytes, total);
-  const auto write = [&](std::uint32_t i) {
-    const BvhRecord& r = bvh.records[i];
-    out.pad_to(layout.offset[i]);
-    out.u8((classes.is_group[i] != 0 ? kGroupBit : 0U) | (r.leaf() ? kLeafField : 0U));
-    if (classes.is_group[i] != 0) {
-      frame[i] = static_cast<std::uint32_t>(frames.size());
-      frames.push_back(arith::make_group_frame(r.box, precision, what));
-      out.box(r.box);
-      out.vec3(frames.back().scale);
-    } else {
-      const std::uint32_t group = classes.group[i];
-      layout.qbox[i] =
-          arith::quantize_box(r.box, bvh.records[group].box, frames[frame[group]], precision, what);
-      write_planes(out, layout.qbox[i], precision.box_bits);
-    }
-    write_range(out, r, layout.offset, classes, sub_bytes);
-  };
-  write(0);
-  for (const BvhRecord& parent : bvh.records) {
-    for (std::uint32_t c = 0; !parent.leaf() && c < parent.count; ++c) {
-      write(parent.first + c);
-    }
-  }
-  out.finish();
-  return layout;
+  return Encoder(bvh, classes, precision, alignment, what, sink).run();
 }
 
 A2rtRecord decode_a2rt(std::span<const std::byte> bytes, std::uint32_t offset,
@@ -112,7 +174,12 @@ A2rtRecord decode_a2rt(std::span<const std::byte> bytes, std::uint32_t offset,
   r.leaf = (id & kLeafField) == kLeafField;
   if (r.group) {
     r.box = in.box();
-    r.scale = in.vec3();
+    if (one_scale(precision)) {
+      const float scale = in.f32();
+      r.scale = {scale, scale, scale};
+    } else {
+      r.scale = in.vec3();
+    }
   } else {
     for (std::size_t a = 0; a < 6; ++a) {
       (a < 3 ? r.qbox.lo[a] : r.qbox.hi[a - 3]) =

@@ -1,37 +1,11 @@
 #include "a2rt/rt/a2rt_unit.h"
 
 #include "a2rt/config/section.h"
+#include "a2rt/rt/a2rt_precision.h"
 #include "a2rt/rt/tree_unit.h"
 
 namespace a2rt::rt {
 namespace {
-
-arith::A2rtPrecision read_precision(const config::Section& unit, arith::OriginDesign origin) {
-  const config::Section s = unit.table("precision");
-  arith::A2rtPrecision p;
-  p.box_bits = static_cast<int>(s.integer("box_bits", 8, 4, 12, "bits", "Stored plane of a box"));
-  p.origin = arith::origin_design_from(
-      s.choice("origin", arith::name_of(origin), {"wide", "guard", "literal"},
-               "Range of the quantized ray origin: wider integers, guard levels, or as printed"));
-  p.origin_bits = static_cast<int>(
-      s.integer("origin_bits", 0, 0, 16, "bits", "Signed origin of `wide`; 0: box_bits + 2"));
-  p.direction = arith::float_format_from(
-      s.text("direction", "bf16", "Format of 1/(d S): bf16, fp16, fp32 or s5..s10"));
-  p.rounding = arith::quant_rounding_from(
-      s.choice("rounding", "conservative", {"conservative", "nearest"}, "Of every quantity"));
-  p.scales = arith::scale_sharing_from(s.choice(
-      "scales", arith::name_of(arith::ScaleSharing::kPerAxis),
-      {arith::name_of(arith::ScaleSharing::kPerAxis), arith::name_of(arith::ScaleSharing::kSingle)},
-      "One scale per axis, or one for all"));
-  p.multiplier_columns = static_cast<int>(s.integer("multiplier_columns", p.multiplier_columns, 0,
-                                                    8, "columns", "Approximated low columns, k"));
-  p.low_columns = arith::low_columns_from(s.choice(
-      "low_columns", arith::name_of(p.low_columns),
-      {arith::name_of(arith::LowColumns::kCompress), arith::name_of(arith::LowColumns::kDrop)},
-      "What the multiplier does with its lowest columns"));
-  p.validate("[precision]");
-  return p;
-}
 
 bvh::ClassifyConfig read_classification(const config::Section& unit) {
   const config::Section s = unit.table("classify");
@@ -53,8 +27,9 @@ A2rtUnit::A2rtUnit(const config::Section& section, const std::string& name,
     : info_{name, title, "A2RT paper, sections III and IV", Promise::kConservative},
       settings_(read_unit_settings(section)),
       classify_(read_classification(section)),
-      quantizer_(read_precision(section, origin)),
+      quantizer_(read_a2rt_precision(section, origin)),
       tester_(quantizer_.precision()),
+      group_bytes_(bvh::a2rt_group_bytes(quantizer_.precision())),
       sub_bytes_(bvh::a2rt_sub_bytes(quantizer_.precision())),
       refetch_group_(section.table("layout").boolean(
           "refetch_group", true, "Read a group's record again when it is popped")),
@@ -70,15 +45,14 @@ A2rtTree A2rtUnit::encode(bvh::WideBvh& tree, const std::string& name, bvh::Addr
   stats.classify_seconds += seconds_of([&] { classes = bvh::classify(tree, classify_); });
   stats.group_nodes += classes.group_nodes;
   stats.sub_nodes += classes.sub_nodes;
-  stats.group_bytes += classes.group_nodes * bvh::kA2rtGroupBytes;
+  stats.group_bytes += classes.group_nodes * group_bytes_;
   stats.sub_bytes += classes.sub_nodes * sub_bytes_;
   A2rtTree result;
   stats.encode_seconds += seconds_of([&] {
-    bvh::A2rtLayout layout =
-        bvh::encode_a2rt(tree, classes, precision(), settings_.layout.sibling_alignment, name);
-    stats.node_bytes += layout.bytes.size();
-    const Address base = space.reserve(name + " nodes", Bytes{layout.bytes.size()});
-    result = A2rtTree::mirror(tree, classes, std::move(layout), tester_, precision());
+    result = A2rtTree::encode(tree, classes, tester_, precision(),
+                              settings_.layout.sibling_alignment, name);
+    stats.node_bytes += result.bytes().size();
+    const Address base = space.reserve(name + " nodes", Bytes{result.bytes().size()});
     result.set_base(base);
   });
   return result;
@@ -88,9 +62,9 @@ std::uint32_t A2rtUnit::test_escaped(const Tree& tree, const A2rtNode& node, std
                                      const Space& space, const Context& context, float closest,
                                      Key* keys) const {
   arith::BoxBlock boxes;
-  const arith::GroupFrame& frame = tree.frame(context.frame).frame;
+  const arith::GroupFrame& frame = tree.frame(context.group);
   for (std::uint32_t s = node.group_count; s < node.count; ++s) {
-    boxes.put(s, arith::dequantize_box(tester_.get(node.planes(), s), frame, precision()));
+    boxes.put(s, arith::dequantize_box(tester_.get(tree.planes(node), s), frame, precision()));
   }
   float entry[bvh::kMaxWidth];
   const std::uint32_t hit = subs & arith::slab_test_block(space.slab, boxes, closest, entry);

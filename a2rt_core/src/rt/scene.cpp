@@ -46,10 +46,11 @@ Primitives arrange_primitives(const Blas& blas, const bvh::WideBvh& bvh,
     }
     result.data = space.reserve(name + " AABBs", Bytes{n * sizeof(Box)});
   } else {
-    result.triangles.reserve(n);
+    result.triangles.reserve(n + 1);
     for (const std::uint32_t slot : bvh.order) {
-      result.triangles.push_back(blas.triangles[slot]);
+      result.triangles.emplace_back(blas.triangles[slot]);
     }
+    result.triangles.emplace_back();
     result.data = space.reserve(name + " triangles", Bytes{n * sizeof(Triangle)});
   }
   result.id_data = space.reserve(name + " ids", Bytes{n * layout.id_bytes});
@@ -65,7 +66,8 @@ SceneTop arrange_instances(const Tlas& tlas, const bvh::WideBvh& bvh, const Layo
   for (std::size_t i = 0; i < tlas.instances.size(); ++i) {
     const Instance& instance = tlas.instances[i];
     top.instances.push_back({instance.world_to_object, instance.blas, instance.mask, instance.flags,
-                             base + Bytes{i * layout.instance_bytes}});
+                             base + Bytes{i * layout.instance_bytes},
+                             instance.world_to_object == Affine{}});
   }
   return top;
 }

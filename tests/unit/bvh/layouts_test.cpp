@@ -41,36 +41,86 @@ TEST(Fp32Layout, DecodesToWhatWasEncodedAndNamesItsChildren) {
   EXPECT_THROW(encode_fp32(bvh, 32, 1, "t"), UserError);
 }
 
+// What the encoder said about each record while it wrote it.
+struct Written : A2rtRecordSink {
+  struct Item {
+    bool group = false;
+    std::uint32_t offset = 0, children = 0;
+    arith::GroupFrame frame;
+    arith::QuantizedBox box;
+  };
+  std::vector<Item> items;  // by record
+  std::uint32_t count = 0, last_offset = 0;
+  explicit Written(const WideBvh& bvh) : items(bvh.records.size()) {}
+  void next_parent() override {}
+  void group(std::uint32_t record, std::uint32_t offset, std::uint32_t children,
+             const arith::GroupFrame& frame) override {
+    add(record, {true, offset, children, frame, {}});
+  }
+  void sub(std::uint32_t record, std::uint32_t offset, std::uint32_t children,
+           const arith::QuantizedBox& box) override {
+    add(record, {false, offset, children, {}, box});
+  }
+  void add(std::uint32_t record, const Item& item) {
+    EXPECT_TRUE(count == 0 || item.offset > last_offset);
+    last_offset = item.offset;
+    ++count;
+    items.at(record) = item;
+  }
+};
+
 TEST(A2rtLayout, GroupsTake45BytesAndSubNodes15) {
   WideBvh bvh = build(Shape::kSoup, 2000);
   const Classification c = classify(bvh, {0.02, 0.02, LeafPolicy::kSub});
-  const arith::A2rtPrecision precision;
+  arith::A2rtPrecision precision;
+  EXPECT_EQ(a2rt_group_bytes(precision), 45U);
   EXPECT_EQ(a2rt_sub_bytes(precision), 15U);
-  EXPECT_EQ(encode_a2rt(bvh, c, precision, 1, "t").bytes.size(),
-            45 * c.group_nodes + 15 * c.sub_nodes);
+  EXPECT_EQ(encode_a2rt(bvh, c, precision, 1, "t").size(), 45 * c.group_nodes + 15 * c.sub_nodes);
+  precision.scales = arith::ScaleSharing::kSingle;  // stores one scale instead of three
+  EXPECT_EQ(encode_a2rt(bvh, c, precision, 1, "t").size(), 37 * c.group_nodes + 15 * c.sub_nodes);
 }
 
-TEST(A2rtLayout, DecodesToWhatWasEncodedForEveryBoxWidth) {
-  for (const int bits : {4, 6, 8, 10, 12}) {
-    for (const LeafPolicy leaf : {LeafPolicy::kSub, LeafPolicy::kGroup}) {
-      WideBvh bvh = build(Shape::kSlivers, 800);
-      const Classification c = classify(bvh, {0.05, 0.01, leaf});
-      arith::A2rtPrecision precision;
-      precision.box_bits = bits;
-      const A2rtLayout layout = encode_a2rt(bvh, c, precision, 1, "t");
-      for (std::uint32_t i = 0; i < bvh.records.size(); ++i) {
-        const BvhRecord& r = bvh.records[i];
-        const A2rtRecord d = decode_a2rt(layout.bytes, layout.offset[i], precision);
-        ASSERT_EQ(d.group, c.is_group[i] != 0);
-        EXPECT_EQ(d.leaf, r.leaf());
-        if (d.group) {
-          EXPECT_EQ(d.box, r.box);
-          EXPECT_EQ(d.scale, arith::make_group_frame(r.box, precision).scale);
-        } else {
-          EXPECT_EQ(d.qbox, layout.qbox[i]);
-        }
-        EXPECT_EQ(d.start, r.leaf() ? r.first : layout.offset[r.first]);
+struct A2rtVariant {
+  int bits;
+  LeafPolicy leaf;
+  arith::ScaleSharing scales;
+  std::uint32_t alignment;
+};
+
+TEST(A2rtLayout, DecodesToWhatWasEncodedForEveryVariant) {
+  using enum arith::ScaleSharing;
+  for (const A2rtVariant& v : {A2rtVariant{4, LeafPolicy::kSub, kPerAxis, 1},
+                               {6, LeafPolicy::kGroup, kPerAxis, 32},
+                               {8, LeafPolicy::kSub, kPerAxis, 1},
+                               {8, LeafPolicy::kGroup, kSingle, 1},
+                               {8, LeafPolicy::kSub, kPerAxis, 64},
+                               {10, LeafPolicy::kSub, kSingle, 32},
+                               {12, LeafPolicy::kGroup, kPerAxis, 1}}) {
+    WideBvh bvh = build(Shape::kSlivers, 800);
+    const Classification c = classify(bvh, {0.05, 0.01, v.leaf});
+    arith::A2rtPrecision precision;
+    precision.box_bits = v.bits;
+    precision.scales = v.scales;
+    Written written(bvh);
+    const std::vector<std::byte> bytes = encode_a2rt(bvh, c, precision, v.alignment, "t", &written);
+    ASSERT_EQ(written.count, bvh.records.size());
+    for (std::uint32_t i = 0; i < bvh.records.size(); ++i) {
+      const BvhRecord& r = bvh.records[i];
+      const Written::Item& w = written.items[i];
+      const A2rtRecord d = decode_a2rt(bytes, w.offset, precision);
+      ASSERT_EQ(d.group, c.is_group[i] != 0);
+      ASSERT_EQ(d.group, w.group);
+      EXPECT_EQ(d.leaf, r.leaf());
+      if (d.group) {
+        EXPECT_EQ(d.box, r.box);
+        EXPECT_EQ(d.scale, arith::make_group_frame(r.box, precision).scale);
+        EXPECT_EQ(d.scale, w.frame.scale);
+      } else {
+        EXPECT_EQ(d.qbox, w.box);
       }
+      EXPECT_EQ(d.start, w.children);
+      EXPECT_EQ(d.start, r.leaf() ? r.first : written.items[r.first].offset);
+      EXPECT_EQ(r.leaf() ? 0 : d.start % v.alignment, 0U);
     }
   }
 }
@@ -80,21 +130,21 @@ TEST(A2rtLayout, BytesAloneDescribeTheTree) {
   WideBvh bvh = build(Shape::kTorus, 1200);
   const Classification c = classify(bvh, {0.01, 0.05, LeafPolicy::kSub});
   const arith::A2rtPrecision precision;
-  const A2rtLayout layout = encode_a2rt(bvh, c, precision, 1, "t");
+  const std::vector<std::byte> bytes = encode_a2rt(bvh, c, precision, 1, "t");
   std::size_t records = 0, primitives = 0;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges = {{0, kA2rtGroupBytes}};
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> ranges = {{0, a2rt_group_bytes(precision)}};
   while (!ranges.empty()) {
     auto [at, end] = ranges.back();
     ranges.pop_back();
     while (at < end) {
-      const A2rtRecord r = decode_a2rt(layout.bytes, at, precision);
+      const A2rtRecord r = decode_a2rt(bytes, at, precision);
       ++records;
       if (r.leaf) {
         primitives += r.end - r.start;
       } else {
         ranges.emplace_back(r.start, r.end);
       }
-      at += r.group ? kA2rtGroupBytes : a2rt_sub_bytes(precision);
+      at += r.group ? a2rt_group_bytes(precision) : a2rt_sub_bytes(precision);
     }
     EXPECT_EQ(at, end);
   }
@@ -105,10 +155,11 @@ TEST(A2rtLayout, BytesAloneDescribeTheTree) {
 TEST(A2rtLayout, IdByteHasThePapersBits) {
   WideBvh bvh = build(Shape::kSoup, 600);
   const Classification c = classify(bvh, {0.05, 0.05, LeafPolicy::kSub});
-  const A2rtLayout layout = encode_a2rt(bvh, c, {}, 1, "t");
+  Written written(bvh);
+  const std::vector<std::byte> bytes = encode_a2rt(bvh, c, {}, 1, "t", &written);
   for (std::uint32_t i = 0; i < bvh.records.size(); ++i) {
     const int expected = c.is_group[i] != 0 ? 0x80 : bvh.records[i].leaf() ? 0x7f : 0x00;
-    EXPECT_EQ(static_cast<int>(layout.bytes[layout.offset[i]]), expected);
+    EXPECT_EQ(static_cast<int>(bytes[written.items[i].offset]), expected);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "runs.h"
 
@@ -132,10 +133,34 @@ TEST(Traffic, CwbvhReadsOneNodePerVisit) {
 }
 
 TEST(Traffic, EveryInstanceEnteredIsReadAndTransformed) {
-  const Workload w = scene(Shape::kTorus, 200, 12);
+  Workload w = scene(Shape::kTorus, 200, 12);
+  for (Instance& instance : w.tlas[0].instances) {
+    if (instance.world_to_object == Affine{}) {
+      instance.blas = kNone;  // it would be entered without a transform
+    }
+  }
   const EventTotals t = totals("baseline", w);
+  EXPECT_GT(count(t, EventKind::kTransform), 0U);
   EXPECT_EQ(bytes(t, Traffic::kInstance), 64 * count(t, EventKind::kTransform));
   EXPECT_EQ(count(t, EventKind::kRaySetup), count(t, EventKind::kTransform) + w.rays.size());
+}
+
+TEST(Traffic, AnIdentityInstanceIsReadButNeverTransformedAndItsHitsAreTheSame) {
+  for (const char* unit : {"baseline", "a2rt", "aqb8", "cwbvh", "clbvh"}) {
+    Workload w = scene(Shape::kTorus, 200);
+    w.tlas[0].instances[0].object_to_world = w.tlas[0].instances[0].world_to_object = Affine{};
+    const auto built_unit = built(unit, w);
+    const FunctionalResult identity = run_functional(*built_unit, w);
+    EXPECT_EQ(count(identity.totals, EventKind::kTransform), 0U);
+    EXPECT_EQ(count(identity.totals, EventKind::kRaySetup), w.rays.size());
+    EXPECT_EQ(bytes(identity.totals, Traffic::kInstance), 64 * w.rays.size());
+    // A translation by nothing that is not recognised as the identity: the transform changes no
+    // ray.
+    w.tlas[0].instances[0].world_to_object.m[0][3] = std::numeric_limits<float>::denorm_min();
+    const FunctionalResult moved = run_functional(*built(unit, w), w);
+    EXPECT_EQ(count(moved.totals, EventKind::kTransform), w.rays.size());
+    EXPECT_EQ(moved.hits, identity.hits) << unit;
+  }
 }
 
 TEST(Traffic, AlphaAndProceduralCandidatesLeaveTheUnit) {

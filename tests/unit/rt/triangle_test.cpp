@@ -26,9 +26,10 @@ TEST(FastTriangle, IsBitEqualToTheDriversTest) {
     }
     const Vec3 origin = i % 11 == 0 ? triangle.v[0] : random.in_box(-2, 2);
     const DriverTriangleHit expected = DriverTriangleTest(origin, dir)(triangle);
+    const AxisTriangle padded[2] = {AxisTriangle(triangle), {}};
     float t = 0;
     bool front = false;
-    const bool hit = FastTriangle(origin, dir)(triangle, t, front);
+    const bool hit = FastTriangle(origin, dir)(padded[0], t, front);
     ASSERT_EQ(hit, expected.hit);
     if (hit) {
       ++hits;

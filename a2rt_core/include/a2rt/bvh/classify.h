@@ -32,6 +32,8 @@ struct Classification {
   // Per record: record of the group its box is quantized in (sub node) or that it opens (group).
   std::vector<std::uint32_t> group;
   std::uint64_t group_nodes = 0, sub_nodes = 0;
+  std::uint64_t inner_nodes = 0;    // groups and sub nodes with children
+  std::uint64_t group_parents = 0;  // nodes with at least one group child
 };
 
 // Zero-length axes of G, and an area of zero, count as satisfied. Reorders siblings of `bvh`.

@@ -19,44 +19,48 @@
 
 namespace a2rt::rt {
 
-// One inner node. Slots 0..group_count-1 are groups (FP32 boxes in A2rtTree::group_boxes), the rest
-// sub nodes, whose integers follow the node in memory (in the tester's block format): a visit then
-// touches two or three neighbouring cache lines.
+// One inner node, the first of the cache lines that hold all a visit reads, in this order:
+//   this header | planes of the sub nodes, in the tester's block format | the frame, if the node
+//   opens a group | FP32 boxes of the group children, if there are any
+// Slots 0..group_count-1 are groups, the rest sub nodes.
 struct alignas(64) A2rtNode {
   bvh::ChildRef children[bvh::kMaxWidth];
-  std::uint32_t frame = 0;         // index into A2rtTree::frames of the frame of the children
-  std::uint32_t first_record = 0;  // of the children, in the exact records
-  std::uint32_t fetch_offset = 0;  // of the children's bytes, from the base
-  std::uint32_t group_block = 0;   // index into group_boxes; meaningless without group children
+  std::uint32_t first_record = 0;   // of the children, in the exact records
+  std::uint32_t fetch_offset = 0;   // of the children's bytes, from the base
+  std::uint32_t record_offset = 0;  // of the node's own bytes
   std::uint8_t count = 0, group_count = 0;
-  const std::byte* planes() const { return reinterpret_cast<const std::byte*>(this + 1); }
-  std::byte* planes() { return reinterpret_cast<std::byte*>(this + 1); }
+  bool opens = false;  // it is a group
 };
 static_assert(sizeof(A2rtNode) == 64);
-
-struct A2rtFrame {
-  arith::GroupFrame frame;
-  std::uint32_t offset = 0;  // of the group's record
-};
 
 class A2rtTree {
  public:
   bool empty() const { return records_.empty(); }
   bvh::ChildRef root() const { return root_; }
-  const bvh::ChildRef* children(std::uint32_t node) const { return this->node(node).children; }
+  // Nodes are named by their first line.
   const A2rtNode& node(std::uint32_t index) const {
-    return *std::launder(reinterpret_cast<const A2rtNode*>(lines_.data() + index * stride_));
+    return *std::launder(reinterpret_cast<const A2rtNode*>(lines_.data() + index));
+  }
+  const bvh::ChildRef* children(std::uint32_t node) const { return this->node(node).children; }
+  const std::byte* planes(const A2rtNode& node) const { return part(node, 1); }
+  // Nodes that open a group only.
+  const arith::GroupFrame& frame(std::uint32_t node) const {
+    return *std::launder(
+        reinterpret_cast<const arith::GroupFrame*>(part(this->node(node), frame_line_)));
+  }
+  // Nodes with group children only.
+  const arith::BoxBlock& group_boxes(const A2rtNode& node) const {
+    return *std::launder(
+        reinterpret_cast<const arith::BoxBlock*>(part(node, frame_line_ + (node.opens ? 1 : 0))));
   }
   // Asks the host's cache for a node that will be visited soon.
-  void prefetch(std::uint32_t index) const {
-    const Line* at = lines_.data() + index * stride_;
+  void prefetch(bvh::ChildRef ref) const {
+    const Line* at = lines_.data() + ref.index();
     __builtin_prefetch(at);
     __builtin_prefetch(at + 1);
-  }
-  std::size_t node_count() const { return lines_.size() / stride_; }
-  const A2rtFrame& frame(std::uint32_t index) const { return frames_[index]; }
-  const arith::BoxBlock& group_boxes(const A2rtNode& node) const {
-    return group_boxes_[node.group_block];
+    if (ref.opens()) {
+      __builtin_prefetch(at + frame_line_);
+    }
   }
   std::span<const bvh::BvhRecord> exact_children(std::uint32_t node) const {
     return {records_.data() + this->node(node).first_record, this->node(node).count};
@@ -65,27 +69,27 @@ class A2rtTree {
   float largest_coordinate() const { return largest_; }
   Address base() const { return base_; }
   void set_base(Address base) { base_ = base; }
-  std::span<const std::byte> bytes() const { return layout_.bytes; }
+  std::span<const std::byte> bytes() const { return bytes_; }
 
-  // Takes the tree's records.
-  static A2rtTree mirror(bvh::WideBvh& tree, const bvh::Classification& classes,
-                         bvh::A2rtLayout layout, const arith::QBoxTester& tester,
-                         const arith::A2rtPrecision& precision);
+  // Encodes `tree`, whose records it takes, into packed bytes and their mirror, in one pass.
+  static A2rtTree encode(bvh::WideBvh& tree, const bvh::Classification& classes,
+                         const arith::QBoxTester& tester, const arith::A2rtPrecision& precision,
+                         std::uint32_t sibling_alignment, const std::string& what);
 
  private:
-  void add_node(const bvh::WideBvh& tree, const bvh::Classification& classes,
-                const std::vector<bvh::ChildRef>& refs, std::uint32_t record, std::uint32_t frame,
-                const arith::QBoxTester& tester, std::uint32_t index);
-
+  class Mirror;
   struct alignas(64) Line {
     std::byte bytes[64];
+    Line() {}  // left as the system gives it: every line is written once, by Mirror
   };
-  HugeVector<Line> lines_;  // per node: the node, then its planes
-  std::size_t stride_ = 2;  // lines per node
-  std::vector<A2rtFrame> frames_;
-  std::vector<arith::BoxBlock> group_boxes_;
+  static const std::byte* part(const A2rtNode& node, std::size_t line) {
+    return reinterpret_cast<const std::byte*>(&node) + line * sizeof(Line);
+  }
+
+  HugeVector<Line> lines_;
+  std::size_t frame_line_ = 2;  // 1 + lines of the planes
   std::vector<bvh::BvhRecord> records_;
-  bvh::A2rtLayout layout_;
+  std::vector<std::byte> bytes_;
   Address base_;
   bvh::ChildRef root_{};
   float largest_ = 0;

@@ -28,7 +28,7 @@ class A2rtUnit {
   static constexpr bool kContexts = true;
   struct Context {
     arith::GroupRay ray;
-    std::uint32_t frame = 0;
+    std::uint32_t group = 0;  // the node that opened it
     bool escaped = false;
     float limit = 0,
           left = 0;  // `left` is what remains of the ray while the closest hit is `limit`
@@ -60,7 +60,7 @@ class A2rtUnit {
   template <class Sink>
   bool open_root(const Tree& tree, const Space& space, Context& context, float closest,
                  Sink& sink) const {
-    sink.fetch(Traffic::kGroupNode, tree.base(), bvh::kA2rtGroupBytes);
+    sink.fetch(Traffic::kGroupNode, tree.base(), group_bytes_);
     sink.count(EventKind::kBoxTest, 1);
     const arith::SlabHit entry = test_group(space.slab, tree.root_box(), closest);
     if constexpr (Sink::kAudits) {
@@ -68,7 +68,7 @@ class A2rtUnit {
       sink.decide_fp32({&root, 1}, 1, entry.hit ? 1 : 0, closest, group_mechanism());
     }
     if (entry.hit) {
-      enter(tree, space, context, tree.node(0).frame, entry.t_entry, sink);
+      enter(tree, space, context, tree.root().index(), entry.t_entry, sink);
     }
     return entry.hit;
   }
@@ -78,14 +78,13 @@ class A2rtUnit {
   template <class Sink>
   bool open(const Tree& tree, std::uint32_t index, const Space& space, Context& context, Key key,
             bool fresh, float, Sink& sink) const {
-    const std::uint32_t frame = tree.node(index).frame;
     if constexpr (Sink::kEmits) {
       if (!fresh && refetch_group_) {
-        sink.fetch(Traffic::kGroupNode, tree.base() + Bytes{tree.frame(frame).offset},
-                   bvh::kA2rtGroupBytes);
+        sink.fetch(Traffic::kGroupNode, tree.base() + Bytes{tree.node(index).record_offset},
+                   group_bytes_);
       }
     }
-    enter(tree, space, context, frame, key, sink);
+    enter(tree, space, context, index, key, sink);
     return true;
   }
 
@@ -107,7 +106,7 @@ class A2rtUnit {
     if (groups != all) {
       hit |= context.escaped
                  ? test_escaped(tree, node, all & ~groups, space, context, closest, keys)
-                 : test_quantized(node, all & ~groups, context, closest, keys);
+                 : test_quantized(tree, node, all & ~groups, context, closest, keys);
     }
     if constexpr (Sink::kAudits) {
       sink.decide(tree.exact_children(index), all & ~groups, hit, closest,
@@ -123,17 +122,17 @@ class A2rtUnit {
   }
 
   ContextRecord context_record(const Tree& tree, const Context& context) const {
-    return {tree.base() + Bytes{tree.frame(context.frame).offset}, bvh::kA2rtGroupBytes};
+    return {tree.base() + Bytes{tree.node(context.group).record_offset}, group_bytes_};
   }
 
  private:
   template <class Sink>
-  void enter(const Tree& tree, const Space& space, Context& context, std::uint32_t frame,
+  void enter(const Tree& tree, const Space& space, Context& context, std::uint32_t group,
              float t_entry, Sink& sink) const {
     sink.count(EventKind::kQuantizeRay, 1);
-    context.frame = frame;
-    context.escaped = quantizer_.enter(space.quantizer, tree.frame(frame).frame, t_entry,
-                                       context.ray) == arith::GroupEntry::kEscaped;
+    context.group = group;
+    context.escaped = quantizer_.enter(space.quantizer, tree.frame(group), t_entry, context.ray) ==
+                      arith::GroupEntry::kEscaped;
     context.ray.t_shift = t_entry;
     context.limit = std::numeric_limits<float>::quiet_NaN();  // equals no closest hit
   }
@@ -142,7 +141,7 @@ class A2rtUnit {
   void emit_visit(const Tree& tree, const A2rtNode& node, const Context& context,
                   Sink& sink) const {
     const Address at = tree.base() + Bytes{node.fetch_offset};
-    const std::uint64_t group_bytes = std::uint64_t{node.group_count} * bvh::kA2rtGroupBytes;
+    const std::uint64_t group_bytes = std::uint64_t{node.group_count} * group_bytes_;
     const std::uint32_t subs = std::uint32_t{node.count} - node.group_count;
     // One read of adjacent bytes, told apart by kind; then all tests.
     if (node.group_count > 0) {
@@ -166,8 +165,8 @@ class A2rtUnit {
   }
 
   // Sub nodes in the quantized tester; `subs` masks them. Keys of hit slots only.
-  std::uint32_t test_quantized(const A2rtNode& node, std::uint32_t subs, Context& context,
-                               float closest, Key* keys) const {
+  std::uint32_t test_quantized(const Tree& tree, const A2rtNode& node, std::uint32_t subs,
+                               Context& context, float closest, Key* keys) const {
     const float shift = context.ray.t_shift;
     // Only without re-test on pop: the frame itself lies beyond the closest hit.
     if (shift > closest) {
@@ -178,7 +177,8 @@ class A2rtUnit {
       context.left = quantizer_.remaining(closest, shift);
     }
     float near[bvh::kMaxWidth];
-    const std::uint32_t hit = subs & tester_.test(context.ray, node.planes(), context.left, near);
+    const std::uint32_t hit =
+        subs & tester_.test(context.ray, tree.planes(node), context.left, near);
     for (std::uint32_t rest = hit; rest != 0; rest &= rest - 1) {
       const auto s = static_cast<std::size_t>(std::countr_zero(rest));
       // Lower bound of shift + near in real numbers: the sum errs by half a unit in the last place.
@@ -210,7 +210,7 @@ class A2rtUnit {
   bvh::ClassifyConfig classify_;
   arith::RayQuantizer quantizer_;
   arith::QBoxTester tester_;
-  std::uint32_t sub_bytes_;
+  std::uint32_t group_bytes_, sub_bytes_;
   bool refetch_group_;
   bool literal_;
 };

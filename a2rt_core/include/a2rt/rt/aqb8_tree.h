@@ -32,7 +32,7 @@ class Aqb8Tree {
   }
   const Aqb8Node& node(std::uint32_t index) const { return nodes_[index]; }
   // Asks the host's cache for a node that will be visited soon.
-  void prefetch(std::uint32_t index) const { __builtin_prefetch(nodes_.data() + index); }
+  void prefetch(bvh::ChildRef ref) const { __builtin_prefetch(nodes_.data() + ref.index()); }
   std::size_t node_count() const { return nodes_.size(); }
   const arith::Aqb8Box& box(std::uint32_t position) const { return layout_.boxes[position]; }
   const arith::Aqb8Anchor& anchor(std::uint32_t cluster) const { return layout_.anchors[cluster]; }

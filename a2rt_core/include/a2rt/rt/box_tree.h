@@ -34,8 +34,8 @@ class BoxTree {
   const bvh::ChildRef* children(std::uint32_t node) const { return nodes_[node].children; }
   const BoxNode& node(std::uint32_t index) const { return nodes_[index]; }
   // Asks the host's cache for a node that will be visited soon.
-  void prefetch(std::uint32_t index) const {
-    const char* at = reinterpret_cast<const char*>(nodes_.data() + index);
+  void prefetch(bvh::ChildRef ref) const {
+    const char* at = reinterpret_cast<const char*>(nodes_.data() + ref.index());
     __builtin_prefetch(at);
     __builtin_prefetch(at + 64);
     __builtin_prefetch(at + 128);

@@ -12,6 +12,7 @@
 #include "a2rt/base/units.h"
 #include "a2rt/bvh/address_space.h"
 #include "a2rt/bvh/wide_bvh.h"
+#include "a2rt/rt/fast_triangle.h"
 #include "a2rt/rt/settings.h"
 #include "a2rt/workload/workload.h"
 
@@ -26,10 +27,11 @@ struct PrimitiveId {
 };
 
 struct Primitives {
-  HugeVector<Triangle> triangles;  // leaf order; empty for procedural geometry
-  std::vector<Box> aabbs;          // leaf order
-  HugeVector<PrimitiveId> ids;     // leaf order
-  Address data, id_data;           // of slot 0
+  // Leaf order, and one more that the vector code may read; empty for procedural geometry.
+  HugeVector<AxisTriangle> triangles;
+  std::vector<Box> aabbs;       // leaf order
+  HugeVector<PrimitiveId> ids;  // leaf order
+  Address data, id_data;        // of slot 0
   bool procedural = false;
 };
 
@@ -39,6 +41,7 @@ struct InstanceRecord {
   std::uint32_t mask = 0;
   std::uint32_t flags = 0;
   Address address;
+  bool identity = false;  // its rays are the world's rays: nothing to transform
 };
 
 struct SceneTop {

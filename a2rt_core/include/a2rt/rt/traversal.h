@@ -80,10 +80,14 @@ class Traversal {
     top_ = &s_.tops[ray_.tlas];
     const Tree& tree = s_.tlas[ray_.tlas];
     sink_.count(EventKind::kRaySetup, 1);
-    enter_space(ray_.origin, ray_.dir);
-    walk<true>(tree, Space(unit_, ray_.origin, ray_.dir, ray_.tmin, tree),
-               [this](ChildRef leaf) { return visit_instances(leaf); });
-    leave_space();
+    if (tree.root().is_leaf()) {
+      visit_instances(tree.root());
+    } else {
+      enter_space(ray_.origin, ray_.dir);
+      walk<true>(tree, Space(unit_, ray_.origin, ray_.dir, ray_.tmin, tree),
+                 [this](ChildRef leaf) { return visit_instances(leaf); });
+      leave_space();
+    }
     if (hit_.state == HitState::kHit) {
       hit_.t = closest_;
       if constexpr (Sink::kEmits) {
@@ -244,7 +248,7 @@ class Traversal {
       const auto slot = static_cast<std::uint32_t>(std::countr_zero(mask));
       const Entry entry{keys[slot], children[slot], context};
       if (!entry.ref.is_leaf()) {
-        tree.prefetch(entry.ref.index());
+        tree.prefetch(entry.ref);
       }
       Entry* at = top++;
       for (; at != base && at[-1].key <= entry.key; --at) {
@@ -278,13 +282,23 @@ class Traversal {
     if ((ray_.flags & (primitives.procedural ? kRaySkipAabbs : kRaySkipTriangles)) != 0) {
       return false;
     }
+    if (instance_->identity) {
+      // Adding zero turns -0 into +0, as the driver's transform does; it changes nothing else.
+      const auto plus_zero = [](const Vec3& v) { return Vec3{v.x + 0.0F, v.y + 0.0F, v.z + 0.0F}; };
+      return walk_instance(primitives, plus_zero(ray_.origin), plus_zero(ray_.dir));
+    }
+    sink_.count(EventKind::kTransform, 1);
     const Vec3 origin = driver_transform_point(instance_->world_to_object, ray_.origin);
     const Vec3 dir = driver_transform_direction(instance_->world_to_object, ray_.dir);
-    sink_.count(EventKind::kTransform, 1);
     if (!arith::ray_is_active(origin, dir, ray_.tmin, closest_)) {
       return false;
     }
     sink_.count(EventKind::kRaySetup, 1);
+    return walk_instance(primitives, origin, dir);
+  }
+
+  // Walks the instance's BLAS with the ray in object space.
+  bool walk_instance(const Primitives& primitives, const Vec3& origin, const Vec3& dir) {
     const Tree& tree = s_.blas[instance_->blas];
     const Space space(unit_, origin, dir, ray_.tmin, tree);
     enter_space(origin, dir);

@@ -64,8 +64,8 @@ class TreeUnit final : public RtUnit {
       add_tree_stats(tree, stats_);
       s_.blas.push_back(unit_.encode(tree, name, space, stats_));
       s_.primitives.push_back(arrange_primitives(blas, tree, settings.layout, space, name));
-      stats_.box_bytes += s_.primitives.back().aabbs.size() * sizeof(Box);
-      stats_.triangle_bytes += s_.primitives.back().triangles.size() * sizeof(Triangle);
+      (blas.procedural() ? stats_.box_bytes : stats_.triangle_bytes) +=
+          tree.order.size() * (blas.procedural() ? sizeof(Box) : sizeof(Triangle));
     }
     build_tops(workload, settings, object_boxes, space);
     regions_ = space.regions();
