@@ -1,4 +1,4 @@
-"""What `a2rt bench` measures. Every number is a ratio of two things timed in the same run."""
+"""What `a2rt bench` measures: ratios of two things timed in the same run, and simulated rays/s."""
 
 from __future__ import annotations
 
@@ -17,6 +17,16 @@ from a2rt_cli.files import read_json
 
 # Frames drawn in each run; their median is one measurement.
 FRAMES = 3
+# What the project asks of itself on a machine of two cores.
+LIMITS: dict[str, Any] = {
+    "overhead": 2.5,
+    "units": {"baseline": 0.35, "a2rt": 0.2},
+    "build_percent": 25.0,
+    "build_bytes": 400.0,
+    "simulation": 150_000.0,
+}
+# LumiBench's standard run; the size of all but the overhead's measurements.
+PATH_TRACING = RenderOptions("pt", 128, 128, 2)
 
 
 def machine() -> dict[str, Any]:
@@ -49,7 +59,7 @@ def _frame_seconds(
 
 
 def layer_overhead(
-    scenes: Sequence[Scene], size: tuple[int, int], pairs: int
+    scenes: Sequence[Scene], size: tuple[int, int], pairs: int, beside: Path
 ) -> list[dict[str, Any]]:
     """The layer with full capture against the same layer without; alternating, so that a busy
     machine slows both."""
@@ -59,7 +69,7 @@ def layer_overhead(
         ratios, plain, full = [], [], []
         with (
             console.step(f"Layer overhead on {scene.name}") as shown,
-            renderer.scratch(Path.cwd() / "out" / "bench") as scratch,
+            renderer.scratch(beside) as scratch,
         ):
             for index in range(pairs):
                 plain.append(_frame_seconds(scene, options, scratch, FRAMES, captured=False))
@@ -86,45 +96,148 @@ def unit_rates(scenes: Sequence[Scene], cache: Path) -> list[dict[str, Any]]:
     rows = []
     for scene in scenes:
         with console.step(f"Unit rates on {scene.name}") as shown:
-            captured = capture.from_scene(scene, RenderOptions(), cache, shown=shown)
+            captured = capture.from_scene(scene, PATH_TRACING, cache, shown=shown)
             with renderer.scratch(cache) as scratch:
-                found = core.bench_units(captured.file, scratch / "bench.json", shown)
+                found = core.bench_units(captured.file, scratch / "bench.json", shown=shown)
         rows.append({"scene": scene.name, **found})
     return rows
 
 
-def print_overhead(rows: Sequence[dict[str, Any]]) -> None:
-    console.heading("Layer with capture against layer without (median of pairs)")
-    columns = ("scene", "without", "with", "ratio", "lowest", "highest")
-    print(
-        console.table(
-            columns,
-            [
-                (
-                    row["scene"],
-                    f"{row['seconds_without_capture'] * 1000:.0f} ms",
-                    f"{row['seconds_with_capture'] * 1000:.0f} ms",
-                    formats.factor(row["ratio"]),
-                    formats.factor(row["ratio_low"]),
-                    formats.factor(row["ratio_high"]),
-                )
-                for row in rows
-            ],
+def build_cost(scenes: Sequence[Scene], cache: Path) -> list[dict[str, Any]]:
+    """What A²RT's classification and encoding add to Embree's build, in time and memory.
+
+    A process of its own: its peak is of one tree, and of the workload it was built from.
+    """
+    rows = []
+    for scene in scenes:
+        with console.step(f"Build of {scene.name}") as shown:
+            captured = capture.from_scene(scene, PATH_TRACING, cache, shown=shown)
+            with renderer.scratch(cache) as scratch:
+                target = scratch / "bench.json"
+                found = core.bench_units(captured.file, target, units=["a2rt"], shown=shown)
+        (unit,) = found["units"]
+        added = unit["classify_seconds"] + unit["encode_seconds"]
+        rows.append(
+            {
+                "scene": scene.name,
+                "primitives": found["primitives"],
+                "embree_seconds": unit["build_seconds"],
+                "added_seconds": added,
+                "added_share": added / unit["build_seconds"],
+                "peak_bytes": found["peak_bytes"],
+                "bytes_per_primitive": found["peak_bytes"] / found["primitives"],
+            }
         )
-    )
+    return rows
+
+
+def simulation_rates(
+    scenes: Sequence[Scene], units: Sequence[str], cache: Path
+) -> list[dict[str, Any]]:
+    """Simulated rays a second of every unit, one process at a time."""
+    rows = []
+    for scene in scenes:
+        with console.step(f"Simulated rays on {scene.name}") as shown:
+            captured = capture.from_scene(scene, PATH_TRACING, cache, shown=shown)
+            for index, unit in enumerate(units):
+                with renderer.scratch(cache) as scratch:
+                    result = core.simulate(captured.file, unit, "table1", scratch / "r.json")
+                rows.append(
+                    {
+                        "scene": scene.name,
+                        "unit": unit,
+                        "rays": result["time"]["rays"],
+                        "cycles": result["time"]["cycles"],
+                        "seconds": result["provenance"]["seconds"],
+                        "rays_per_second": result["provenance"]["rays_per_second"],
+                    }
+                )
+                shown.update((index + 1) / len(units), unit)
+    return rows
+
+
+def _verdict(value: float, limit: float | None, at_most: bool) -> tuple[str, str]:
+    """The limit as text, and whether the value keeps it. A limit is shown, never asserted."""
+    if limit is None:
+        return formats.NOTHING, ""
+    kept = value <= limit if at_most else value >= limit
+    text = f"{limit:,.0f}" if limit >= 100 else f"{limit:g}"
+    return f"{'≤' if at_most else '≥'} {text}", "kept" if kept else "NOT kept"
+
+
+def print_overhead(rows: Sequence[dict[str, Any]]) -> None:
+    console.heading("Layer with full capture against the layer without (median of pairs)")
+    columns = ("scene", "without", "with", "ratio", "lowest", "highest", "limit", "")
+    cells = [
+        (
+            row["scene"],
+            f"{row['seconds_without_capture'] * 1000:.0f} ms",
+            f"{row['seconds_with_capture'] * 1000:.0f} ms",
+            formats.factor(row["ratio"]),
+            formats.factor(row["ratio_low"]),
+            formats.factor(row["ratio_high"]),
+            *_verdict(row["ratio"], LIMITS["overhead"], True),
+        )
+        for row in rows
+    ]
+    print(console.table(columns, cells))
 
 
 def print_units(rows: Sequence[dict[str, Any]]) -> None:
-    console.heading("Functional rays a second against Embree, one thread, same rays")
-    table = []
+    console.heading("Functional rays a second against Embree (rtcIntersect1, robust), one thread")
+    cells = []
     for row in rows:
+        embree = formats.count(row.get("embree_rays_per_second"))
+        cells.append((row["scene"], "Embree", embree, formats.factor(1.0), formats.NOTHING, ""))
         for unit in row.get("units", []):
-            table.append(
+            share = unit["ratio_to_embree"]
+            cells.append(
                 (
                     row["scene"],
                     unit["unit"],
-                    formats.count(unit.get("rays_per_second")),
-                    formats.factor(unit.get("ratio_to_embree")),
+                    formats.count(unit["rays_per_second"]),
+                    formats.factor(share),
+                    *_verdict(share, LIMITS["units"].get(unit["unit"]), False),
                 )
             )
-    print(console.table(("scene", "unit", "rays/s", "of Embree"), table, left=2))
+    columns = ("scene", "unit", "rays/s", "of Embree", "limit", "")
+    print(console.table(columns, cells, left=2))
+
+
+def print_build(rows: Sequence[dict[str, Any]]) -> None:
+    console.heading("A²RT's classification and encoding on top of Embree's build")
+    columns = ("scene", "primitives", "Embree", "added", "share", "limit", "", "bytes each")
+    cells = []
+    for row in rows:
+        share = _verdict(row["added_share"] * 100, LIMITS["build_percent"], True)
+        each = _verdict(row["bytes_per_primitive"], LIMITS["build_bytes"], True)
+        cells.append(
+            (
+                row["scene"],
+                formats.count(row["primitives"]),
+                f"{row['embree_seconds']:.2f} s",
+                f"{row['added_seconds']:.2f} s",
+                formats.percent(row["added_share"]),
+                f"{share[0]} %",
+                share[1],
+                f"{row['bytes_per_primitive']:.0f}",
+                *each,
+            )
+        )
+    print(console.table((*columns, "limit", ""), cells))
+
+
+def print_simulation(rows: Sequence[dict[str, Any]]) -> None:
+    console.heading("Simulated rays a second on one core (machine table1)")
+    cells = [
+        (
+            row["scene"],
+            row["unit"],
+            formats.count(row["rays"]),
+            f"{row['seconds']:.2f} s",
+            formats.count(row["rays_per_second"]),
+            *_verdict(row["rays_per_second"], LIMITS["simulation"], False),
+        )
+        for row in rows
+    ]
+    print(console.table(("scene", "unit", "rays", "time", "rays/s", "limit", ""), cells, left=2))

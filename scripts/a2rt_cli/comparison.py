@@ -8,6 +8,7 @@ from __future__ import annotations
 import contextlib
 import csv
 import io
+import os
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, replace
@@ -60,6 +61,10 @@ def _capture_all(items: Sequence[Item], cache: Path) -> list[Captured]:
         scene = scenes.find(item.text)
         if scene.note:
             console.note(f"  {item.name or scene.name}: {scene.note}")
+        known = capture.find_finished(scene, item.options, cache, name=item.name)
+        if known is not None:
+            captured.append(known)
+            continue
         size = f"{item.options.width}x{item.options.height}"
         words = f"Drawing and capturing {item.name or scene.name} ({item.options.workload}, {size})"
         with console.step(words) as shown:
@@ -86,7 +91,9 @@ def jobs_of(captured: Sequence[Captured], specs: Sequence[RunSpec], folder: Path
         for spec in specs:
             unit = Path(spec.unit).stem
             name = f"{unit}-{runs.run_key(one, spec)[:16]}.json"
-            out.append(Job(one, spec, folder / one.name / name))
+            # By content, not by name: figures that call a workload differently share its runs.
+            place = one.name if one.scene is None else one.file.parent.name
+            out.append(Job(one, spec, folder / place / name))
     return out
 
 
@@ -129,26 +136,39 @@ def compare(
     *,
     parallel: int = PARALLEL,
     command: str = "",
+    cache: Path | None = None,
 ) -> list[dict[str, Any]]:
-    """Runs every spec on every item; writes results.json, results.csv and pictures into `out`."""
-    with exclusive(out):
-        return _compare(items, specs, out, parallel, command)
+    """Runs every spec on every item; writes results.json, results.csv and pictures into `out`.
+
+    Captures and finished runs are kept in `cache` (out/.cache), which several folders may share.
+    """
+    with contextlib.ExitStack() as locks:
+        locks.enter_context(exclusive(out))
+        if cache is not None:
+            locks.enter_context(exclusive(cache))
+        return _compare(items, specs, out, cache or out / ".cache", parallel, command)
 
 
 def _compare(
-    items: Sequence[Item], specs: Sequence[RunSpec], out: Path, parallel: int, command: str
+    items: Sequence[Item],
+    specs: Sequence[RunSpec],
+    out: Path,
+    cache: Path,
+    parallel: int,
+    command: str,
 ) -> list[dict[str, Any]]:
-    captured = _capture_all(items, out / ".cache" / "captures")
+    captured = _capture_all(items, cache / "captures")
     pictures = out / "pictures"
     for one in captured:
         if one.picture is not None:
             runs.driver_picture(one, pictures)
-    jobs = jobs_of(captured, specs, out / ".cache" / "runs")
+    jobs = jobs_of(captured, specs, cache / "runs")
     found = run_all(jobs, pictures, parallel)
     for job, result in zip(jobs, found, strict=True):
         result["provenance"]["a2rt"] = command
+        result["workload"]["name"] = job.captured.name
         if job.spec.heatmap and runs.heatmap_file(job.target).is_file():
-            result["heatmap"] = str(runs.heatmap_file(job.target).relative_to(out))
+            result["heatmap"] = os.path.relpath(runs.heatmap_file(job.target), out)
     write_json(out / "results.json", found)
     write_json(out / "effects.json", {one.name: effects.of_captured(one) for one in captured})
     write_text(out / "results.csv", to_csv(found))

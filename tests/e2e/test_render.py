@@ -35,7 +35,7 @@ def test_capture_of_a_scene_can_be_inspected_and_compared(a2rt):
     a2rt.ok("render", "cornell", *SMALL, "--capture", "w.h5", "-o", "x.png")
     said = json.loads(a2rt.ok("inspect", "w.h5", "--json"))
     assert said
-    a2rt.ok("compare", "w.h5", "--units", "baseline,a2rt", "--audit", "0", "-o", "out")
+    a2rt.ok("compare", "w.h5", "--units", "baseline,a2rt", "--gpu", "none", "-o", "out")
     found = json.loads((a2rt.folder / "out" / "results.json").read_text(encoding="utf-8"))
     assert [one["unit"]["name"] for one in found] == ["baseline", "a2rt"]
 

@@ -14,6 +14,7 @@ from a2rt_cli.setup.needs import Need
 
 EXAMPLES = """  scripts/a2rt reproduce fig7
   scripts/a2rt reproduce fig6 table3 -o out/paper
+  scripts/a2rt reproduce fig8 --scenes cornell,spheres --size 32x32     a quick look
   scripts/a2rt reproduce all
 """
 NEED = Need.ENGINE
@@ -30,6 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=", ".join((*figures.names(), "all")),
     )
     parser.add_argument("--scenes", type=options.names_list, help="instead of the experiment's")
+    parser.add_argument(
+        "--size", type=options.size, metavar="WxH", help="picture size, instead of the experiment's"
+    )
     options.add_parallel(parser)
     parser.add_argument("-o", "--output", metavar="DIR", help="results (out/reproduce)")
 
@@ -41,7 +45,9 @@ def run(args: argparse.Namespace) -> int:
     out = Path(args.output or "out/reproduce")
     chosen = figures.names() if "all" in args.figures else list(dict.fromkeys(args.figures))
     for name in chosen:
-        drawn = figures.reproduce(name, out / name, args.scenes, args.parallel)
+        drawn = figures.reproduce(
+            name, out / name, scenes=args.scenes, size=args.size, parallel=args.parallel
+        )
         print(drawn.text)
         print(f"\nFiles: {', '.join(shown(path) for path in drawn.files)}")
     return 0

@@ -32,6 +32,29 @@ def from_file(path: Path) -> Captured:
     return Captured(path.stem, path, _HASHES.of(path))
 
 
+def find_finished(
+    scene: scenes.Scene, options: RenderOptions, cache: Path, *, name: str = ""
+) -> Captured | None:
+    """The capture of the same inputs, if `cache` holds it whole."""
+    options = scene.drawn_with(options)
+    key = hash_values(scene.content_key(), options.as_dict(), programs.capture_key())
+    found = _captured(scene, options, cache, key, name)
+    return found if _mark(found).is_file() else None
+
+
+def _captured(
+    scene: scenes.Scene, options: RenderOptions, cache: Path, key: str, name: str
+) -> Captured:
+    folder = cache / f"{scene.name}-{key[:16]}"
+    workload, picture = folder / "workload.h5", folder / "driver.png"
+    return Captured(name or scene.name, workload, key, scene, options, picture)
+
+
+def _mark(captured: Captured) -> Path:
+    """Written last: a folder without it is not trusted."""
+    return captured.file.parent / "capture.json"
+
+
 def from_scene(
     scene: scenes.Scene,
     options: RenderOptions,
@@ -41,30 +64,25 @@ def from_scene(
     shown: console.Step | None = None,
 ) -> Captured:
     """Draws `scene` under the layer unless `cache` holds the result of the same inputs."""
+    known = find_finished(scene, options, cache, name=name)
+    if known is not None:
+        return known
     options = scene.drawn_with(options)
     key = hash_values(scene.content_key(), options.as_dict(), programs.capture_key())
-    folder = cache / f"{scene.name}-{key[:16]}"
-    if not (folder / "capture.json").is_file():
-        shutil.rmtree(folder, ignore_errors=True)  # left by a killed run
-        with renderer.scratch(cache) as scratch:
-            raw, picture, workload = scratch / "raw", scratch / "driver.png", scratch / "w.h5"
-            raw.mkdir()
-            numbers = scratch / "statistics.json"
-            extra = ["--json", str(numbers)]
-            renderer.render(scene, options, picture, capture=raw, shown=shown, extra=extra)
-            # "auto" is a choice of the program; results name what it chose.
-            chosen = read_json(numbers)["workload"]["name"]
-            core.import_capture(raw, workload, scene=scene.name, workload=chosen, shown=shown)
-            folder.mkdir(parents=True, exist_ok=True)
-            picture.replace(folder / "driver.png")
-            workload.replace(folder / "workload.h5")
-        # Written last: a folder without it is not trusted.
-        write_json(folder / "capture.json", {"scene": scene.name, "options": options.as_dict()})
-    return Captured(
-        name or scene.name,
-        folder / "workload.h5",
-        key,
-        scene,
-        options,
-        folder / "driver.png",
-    )
+    captured = _captured(scene, options, cache, key, name)
+    folder = captured.file.parent
+    shutil.rmtree(folder, ignore_errors=True)  # left by a killed run
+    with renderer.scratch(cache) as scratch:
+        raw, picture, workload = scratch / "raw", scratch / "driver.png", scratch / "w.h5"
+        raw.mkdir()
+        numbers = scratch / "statistics.json"
+        extra = ["--json", str(numbers)]
+        renderer.render(scene, options, picture, capture=raw, shown=shown, extra=extra)
+        # "auto" is a choice of the program; results name what it chose.
+        chosen = read_json(numbers)["workload"]["name"]
+        core.import_capture(raw, workload, scene=scene.name, workload=chosen, shown=shown)
+        folder.mkdir(parents=True, exist_ok=True)
+        picture.replace(folder / "driver.png")
+        workload.replace(folder / "workload.h5")
+    write_json(_mark(captured), {"scene": scene.name, "options": options.as_dict()})
+    return captured

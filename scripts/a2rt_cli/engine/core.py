@@ -83,8 +83,17 @@ def simulate(
     return read_result(target)
 
 
-def bench_units(workload: Path, target: Path, shown: console.Step | None = None) -> dict[str, Any]:
-    _call(["bench-units", workload, "-o", target], f"timing units on {workload.name}", shown)
+def bench_units(
+    workload: Path,
+    target: Path,
+    *,
+    units: Sequence[str] = (),
+    shown: console.Step | None = None,
+) -> dict[str, Any]:
+    """Functional rays a second, build times and peak memory; all units unless some are named."""
+    words: list[str | Path] = ["bench-units", workload, "-o", target]
+    words += ["--units", ",".join(units)] if units else []
+    _call(words, f"timing units on {workload.name}", shown)
     return read_result(target)
 
 

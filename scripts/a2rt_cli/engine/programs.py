@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 from a2rt_cli import console
@@ -37,11 +38,13 @@ def lavapipe() -> dict[str, str]:
     return driver.environment(icd)
 
 
+@cache
 def core_key() -> str:
     """Changes when a2rt-core does; results made by another build are not reused."""
     return hash_files([program("a2rt-core")])
 
 
+@cache
 def capture_key() -> str:
     """Changes when anything that decides what is captured does."""
     return hash_files([program("a2rt-render"), layer_library(), program("a2rt-core")])

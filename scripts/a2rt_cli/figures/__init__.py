@@ -11,7 +11,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -37,12 +37,14 @@ class Context:
             self.out,
             parallel=self.parallel,
             command=options.command_line(),
+            # Figures share captures and runs: most need the same ones.
+            cache=self.out.parent / ".cache",
         )
 
 
 @dataclass(frozen=True)
 class Drawn:
-    text: str  # for the terminal
+    text: str  # for the terminal, kept as NAME.txt beside the files
     files: list[Path]
 
 
@@ -50,10 +52,23 @@ def names() -> list[str]:
     return sorted(info.name for info in pkgutil.iter_modules(__path__))
 
 
-def reproduce(name: str, out: Path, scenes: Sequence[str] | None, parallel: int) -> Drawn:
+def reproduce(
+    name: str,
+    out: Path,
+    *,
+    scenes: Sequence[str] | None = None,
+    size: tuple[int, int] | None = None,
+    parallel: int = 2,
+) -> Drawn:
+    """Draws one figure into `out`; `scenes` and `size` go before the experiment's own."""
     from a2rt_cli import console, experiment
+    from a2rt_cli.files import write_text
 
     module = importlib.import_module(f"{__name__}.{name}")
     console.heading(f"{name}: {module.TITLE}")
     loaded = experiment.load(experiment.find(name), scenes)
-    return module.draw(Context(loaded, out, parallel))
+    loaded = replace(loaded, size=size or loaded.size)
+    drawn = module.draw(Context(loaded, out, parallel))
+    target = out / f"{name}.txt"
+    write_text(target, f"{name}: {module.TITLE}\n\n{drawn.text}\n")
+    return Drawn(drawn.text, [*drawn.files, target])

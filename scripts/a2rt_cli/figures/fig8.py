@@ -1,93 +1,223 @@
-"""Figure 8: speedup over the baseline (marks) and energy by component (bars)."""
+"""Figure 8: speedup over the baseline (line) and energy by part (bars), for both comparisons."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
 
 from a2rt_cli import formats, plotting, results
 from a2rt_cli.console import table
 from a2rt_cli.figures import Context, Drawn
-from a2rt_cli.report import charts, measures
+from a2rt_cli.report import charts, gap, measures
+from a2rt_cli.results import Result
+from a2rt_cli.tables import COMPARISON_WORDS
 
 TITLE = "normalised speedup and energy of baseline, AQB8 and A²RT"
 NAME = "fig8"
+# Energy components of the ledger, gathered into what a bar can show.
+PARTS = {
+    "box testers": (
+        "box",
+        "qbox_a2rt",
+        "qbox_aqb8",
+        "quantizer",
+        "anchor",
+        "update",
+        "dequantizer",
+    ),
+    "triangles, set-up": ("triangle", "transform", "setup"),
+    "RT buffers": ("ray_buffer", "rt_stack", "rt_context"),
+    "L1": ("l1",),
+    "L2, crossbar": ("l2", "crossbar"),
+    "DRAM": ("dram",),
+    "SM": ("sm",),
+}
+OTHER = "other"
+PAPER = {  # Section V-C.4 and 5: means of Fig. 8; AQB8's follow from A²RT's two ratios
+    "energy": {"baseline": 1.0, "aqb8": 0.4551 / 0.8179, "a2rt": 0.4551},
+    "speedup": {"baseline": 1.0, "aqb8": 2.29 / 1.57, "a2rt": 2.29},
+}
 
 
-def _components(found) -> list[str]:
-    return list(
-        dict.fromkeys(k for one in found for k in results.get(one, "energy.by_component", {}))
-    )
+def parts_of(one: Result) -> dict[str, float]:
+    """Energy in pJ by part; every component of the ledger is in exactly one."""
+    place = {component: part for part, names in PARTS.items() for component in names}
+    out = dict.fromkeys([*PARTS, OTHER], 0.0)
+    for component, energy in results.get(one, "energy.by_component", {}).items():
+        out[place.get(component, OTHER)] += energy
+    return out
 
 
-def _draw_energy(axes, groups, units, components) -> None:
-    colours = charts.series_colours(components)
+def _rows_of(found: Sequence[Result]) -> dict[str, list[str]]:
+    """Workload names by the shaders they run: one row of the figure each."""
+    out: dict[str, list[str]] = {}
+    for name, group in results.by_workload(found).items():
+        out.setdefault(group[0]["workload"].get("workload", ""), []).append(name)
+    return out
+
+
+def _units(found: Sequence[Result]) -> list[str]:
+    return list(dict.fromkeys(results.plain_label(one) for one in found))
+
+
+def _draw_row(axes, names: Sequence[str], found: Sequence[Result], comparison: str) -> None:
+    groups, units = results.by_workload(found), _units(found)
+    colours = {**charts.series_colours(list(PARTS)), OTHER: "#9aa3b2"}
     width = 0.8 / len(units)
-    for column, group in enumerate(groups.values()):
-        base = results.baseline_of(group)
+    for column, name in enumerate(names):
+        base = measures.pick(groups[name], results.BASELINE, comparison)
         whole = measures.energy(base) if base else None
-        if not whole:
-            continue
         for index, unit in enumerate(units):
-            one = measures.pick(group, unit)
-            if one is None:
+            one = measures.pick(groups[name], unit, comparison)
+            if one is None or not whole:
                 continue
             x, bottom = column + (index - (len(units) - 1) / 2) * width, 0.0
-            for component in components:
-                part = results.get(one, "energy.by_component", {}).get(component, 0) / whole
-                axes.bar(x, part, width * 0.9, bottom=bottom, color=colours[component])
-                bottom += part
-    handles = [axes.bar(0, 0, color=colours[c], label=c.replace("_", " ")) for c in components]
-    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.06, 1.0), title="energy")
-    axes.set_ylabel("energy, share of the baseline's")
+            for part, energy in parts_of(one).items():
+                share = energy / whole
+                axes.bar(x, share, width * 0.88, bottom=bottom, color=colours[part])
+                bottom += share
+    _draw_means(axes, len(names), names, found, comparison)
+    labels = [name.rsplit("-", 1)[0] for name in names]
+    axes.set_xticks(range(len(names) + 2), [*labels, "mean", "paper,\nits mean"])
+    axes.set_ylabel("energy, of baseline's")
+    axes.set_ylim(0, 1.16)
 
 
-def _draw_speed(axes, found, groups, units) -> None:
+def _draw_means(axes, first: int, names, found, comparison: str) -> None:
+    """Grey bars: the row's geometric mean, then the paper's mean over its own scenes."""
+    units = _units(found)
     width = 0.8 / len(units)
+    row = [one for one in found if results.workload_name(one) in names]
     for index, unit in enumerate(units):
-        shares = measures.ratios(found, unit, "baseline", measures.cycles)
-        points = [
-            (i + (index - (len(units) - 1) / 2) * width, 1 / shares[name])
-            for i, name in enumerate(groups)
-            if name in shares
-        ]
+        x = (index - (len(units) - 1) / 2) * width
+        mean = measures.mean_ratio(row, unit, results.BASELINE, measures.energy, comparison)
+        for place, value in ((first, mean), (first + 1, PAPER["energy"].get(unit))):
+            if value is not None:
+                hatch = "" if place == first else "///"
+                axes.bar(place + x, value, width * 0.88, color="#c3c9d4", hatch=hatch)
+
+
+def _draw_speed(axes, names: Sequence[str], found: Sequence[Result], comparison: str) -> None:
+    units = _units(found)
+    width = 0.8 / len(units)
+    row = [one for one in found if results.workload_name(one) in names]
+    for place, name in enumerate([*names, "mean", "paper"]):
+        points = []
+        for index, unit in enumerate(units):
+            speed = _speed(row, unit, name, comparison)
+            if speed is not None:
+                points.append((place + (index - (len(units) - 1) / 2) * width, speed, unit))
         if points:
-            colour = charts.unit_colour(unit, index)
-            axes.plot(*zip(*points, strict=True), "o-", color=colour, label=unit, markersize=5)
-    axes.set_ylabel("speedup over the baseline")
-    axes.set_ylim(bottom=0)
+            axes.plot([p[0] for p in points], [p[1] for p in points], color="#1a2230", lw=0.8)
+        for x, speed, unit in points:
+            axes.plot(x, speed, "o", color=charts.unit_colour(unit), mec="#1a2230", ms=6, mew=0.8)
+            axes.annotate(
+                f"{speed:.2f}",
+                (x, speed),
+                (0, 7),
+                textcoords="offset points",
+                ha="center",
+                size=8,
+                bbox={"boxstyle": "round,pad=0.12", "fc": "white", "ec": "none", "alpha": 0.85},
+            )
+    axes.set_ylabel("speedup")
+    axes.set_ylim(0, 2.9)
     axes.grid(False)
     axes.spines["right"].set_visible(True)
-    axes.legend(loc="lower left", bbox_to_anchor=(1.06, 0.0), title="speedup")
 
 
-def _table(found) -> str:
+def _speed(row: Sequence[Result], unit: str, name: str, comparison: str) -> float | None:
+    if name == "paper":
+        return PAPER["speedup"].get(unit)
+    shares = measures.ratios(row, unit, results.BASELINE, measures.cycles, comparison)
+    share = formats.geometric_mean(list(shares.values())) if name == "mean" else shares.get(name)
+    return 1 / share if share else None
+
+
+def _draw(found: Sequence[Result], comparison: str, out: Path) -> list[Path]:
+    rows = _rows_of(found)
+    widest = max(len(names) for names in rows.values())
+    figure, _ = plotting.new(max(9.0, 1.35 * (widest + 2) + 2), 3.1 * len(rows) + 0.9)
+    figure.clf()
+    grid = figure.subplots(len(rows), 1, squeeze=False)
+    for axes, (shaders, names) in zip(grid[:, 0], rows.items(), strict=True):
+        _draw_row(axes, names, found, comparison)
+        _draw_speed(axes.twinx(), names, found, comparison)
+        axes.set_title(f"{shaders}: {COMPARISON_WORDS[comparison]}", loc="left", fontsize=10)
+    colours = charts.series_colours(list(PARTS))
+    handles = [grid[0, 0].bar(0, 0, color=colours[part], label=part) for part in PARTS]
+    for unit in _units(found):
+        handles += grid[0, 0].plot(
+            [], [], "o", color=charts.unit_colour(unit), mec="#1a2230", label=f"{unit}: speedup"
+        )
+    order = ", ".join(_units(found))
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=5, title=f"bars, left to right: {order}"
+    )
+    return plotting.save(figure, out, f"{NAME}-{comparison}")
+
+
+def _table(found: Sequence[Result]) -> str:
     rows = []
     for name, group in results.by_workload(found).items():
-        base = results.baseline_of(group)
-        for one in group:
-            speed = results.ratio(measures.cycles(base) if base else None, measures.cycles(one))
-            share = results.ratio(measures.energy(one), measures.energy(base) if base else None)
-            rows.append(
-                (
-                    name,
-                    results.label(one),
-                    formats.count(measures.cycles(one)),
-                    formats.factor(speed),
-                    formats.energy(measures.energy(one)),
-                    formats.percent(share),
-                )
-            )
-    columns = ("workload", "unit", "cycles", "speedup", "energy", "of baseline")
+        for unit in _units(found):
+            cells = [name, unit]
+            for comparison in COMPARISON_WORDS:
+                cells += _cells(group, unit, comparison)
+            rows.append(cells)
+    for unit in _units(found):
+        cells = ["mean", unit]
+        for comparison in COMPARISON_WORDS:
+            cells += _mean_cells(found, unit, comparison)
+        rows.append(cells)
+    columns = ["workload", "unit", "cycles", "speedup", "energy", "of base."]
+    columns += ["| area: cycles", "speedup", "energy", "of base."]
     return table(columns, rows, left=2)
+
+
+def _cells(group: Sequence[Result], unit: str, comparison: str) -> list[str]:
+    one = measures.pick(group, unit, comparison)
+    base = measures.pick(group, results.BASELINE, comparison)
+    if one is None or base is None:
+        return [formats.NOTHING] * 4
+    return [
+        formats.count(measures.cycles(one)),
+        formats.factor(results.ratio(measures.cycles(base), measures.cycles(one))),
+        formats.energy(measures.energy(one)),
+        formats.percent(results.ratio(measures.energy(one), measures.energy(base))),
+    ]
+
+
+def _mean_cells(found: Sequence[Result], unit: str, comparison: str) -> list[str]:
+    speed = measures.mean_ratio(found, unit, results.BASELINE, measures.cycles, comparison)
+    energy = measures.mean_ratio(found, unit, results.BASELINE, measures.energy, comparison)
+    faster = formats.factor(1 / speed if speed else None)
+    return [formats.NOTHING, faster, formats.NOTHING, formats.percent(energy)]
+
+
+def _same_area_rows(found: Sequence[Result]) -> list[dict]:
+    """The paper's numbers beside the second comparison."""
+    inverse = {"fig8.speedup_baseline": "baseline", "fig8.speedup_aqb8": "aqb8"}
+    direct = {"fig8.energy_baseline": "baseline", "fig8.energy_aqb8": "aqb8"}
+    rows = plotting.beside(NAME, found)
+    for row in rows:
+        against = inverse.get(row["id"]) or direct[row["id"]]
+        value = measures.cycles if row["id"] in inverse else measures.energy
+        ratio = measures.mean_ratio(found, "a2rt", against, value, results.SAME_AREA)
+        row["ours"] = (1 / ratio if ratio else None) if row["id"] in inverse else ratio
+        row["what"] += ", same area"
+    return rows
 
 
 def draw(context: Context) -> Drawn:
     found = context.runs()
-    groups = results.by_workload(found)
-    units = list(dict.fromkeys(results.label(one) for one in found))
-    figure, axes = plotting.new(max(8.0, 1.1 * len(groups) + 4), 4.2)
-    _draw_energy(axes, groups, units, _components(found))
-    _draw_speed(axes.twinx(), found, groups, units)
-    axes.set_xticks(range(len(groups)), list(groups), rotation=30, ha="right")
-    rows = plotting.beside(NAME, found)
-    files = plotting.save(figure, context.out, NAME)
-    files.append(plotting.write_numbers(context.out, NAME, rows))
-    return Drawn(f"{_table(found)}\n\n{plotting.beside_text(rows)}", files)
+    rows = plotting.beside(NAME, found) + _same_area_rows(found)
+    files: list[Path] = []
+    for comparison in COMPARISON_WORDS:
+        files += _draw(found, comparison, context.out)
+    words = gap.sentences(found)
+    files.append(plotting.write_numbers(context.out, NAME, rows, gap=words))
+    means = "Means are geometric, over the workloads of this table."
+    said = "\n".join(f"- {one}" for one in words)
+    parts = [_table(found), means, plotting.beside_text(rows), f"The gap, as measured:\n{said}"]
+    return Drawn("\n\n".join(parts), files)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from a2rt_cli import console, formats, plotting, results
 from a2rt_cli.figures import Context, Drawn
-from a2rt_cli.files import write_text
 from a2rt_cli.report import measures
 
 TITLE = "compressed-leaf BVH, compressed wide BVH, AQB8 and A²RT"
@@ -58,7 +57,5 @@ def draw(context: Context) -> Drawn:
     rows = [_row(found, unit) for unit in units]
     text = console.table(COLUMNS, rows, left=7)
     text += "\n\nL1 bytes, speedup and energy are against the FP32 baseline on the same rays."
-    target = context.out / f"{NAME}.txt"
-    write_text(target, text + "\n")
     numbers = [dict(zip(COLUMNS, row, strict=True)) for row in rows]
-    return Drawn(text, [target, plotting.write_numbers(context.out, NAME, [], rows=numbers)])
+    return Drawn(text, [plotting.write_numbers(context.out, NAME, [], rows=numbers)])
