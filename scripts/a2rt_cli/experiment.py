@@ -5,8 +5,6 @@ A key that nothing reads is an error that names file and line, so that a misspel
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,9 +12,10 @@ from typing import Any
 
 from a2rt_cli import console
 from a2rt_cli.comparison import Item
+from a2rt_cli.config_table import Table
 from a2rt_cli.engine import scenes
 from a2rt_cli.engine.renderer import RenderOptions
-from a2rt_cli.engine.runs import DEFAULT_AUDIT, RunSpec
+from a2rt_cli.engine.runs import DEFAULT_AUDIT, RunSpec, with_same_area
 from a2rt_cli.errors import UserError
 from a2rt_cli.paths import CONFIGS
 
@@ -32,6 +31,20 @@ class Knob:
     values: tuple[Any, ...]
     default: Any
     title: str
+    labels: tuple[str, ...] = ()  # of the values, where they do not speak for themselves
+    order: str = ""  # "finer" or "coarser": where precision goes along the values; "": nowhere
+
+    def label(self, value: Any) -> str:
+        return self.labels[self.values.index(value)] if self.labels else str(value)
+
+
+@dataclass(frozen=True)
+class Factorial:
+    """Every combination of a few values, for Pareto fronts and for optima in two parameters."""
+
+    title: str
+    unit: str
+    space: dict[str, tuple[Any, ...]]
 
 
 @dataclass(frozen=True)
@@ -55,9 +68,10 @@ class Experiment:
     gpu: str | None
     audit: int
     pictures: bool
+    same_area: bool = False  # also with the testers that fit into A2RT's area
+    sample: float | None = None  # share of the warps to simulate, checked against all of them
     knobs: tuple[Knob, ...] = ()
-    factorial: dict[str, tuple[Any, ...]] | None = None
-    factorial_unit: str = "a2rt"
+    factorials: tuple[Factorial, ...] = ()
     search: Search | None = None
 
     @property
@@ -65,12 +79,11 @@ class Experiment:
         return self.file.stem
 
     def items(self) -> list[Item]:
-        """Scenes × workloads; a real scene that is not on this machine is left out, and said so."""
+        """Scenes × workloads. A stand-in that would be drawn anyway is left out, and said so."""
         out = []
         for text in self.scenes:
-            try:
-                scene = scenes.find(text)
-            except UserError:
+            scene = scenes.find(text)
+            if scene.features is not None and scene.argument in self.scenes:
                 console.note(f"  {text}: not on this machine, left out (see A2RT_SCENES)")
                 continue
             for workload in self.workloads:
@@ -83,60 +96,18 @@ class Experiment:
 
     def specs(self) -> list[RunSpec]:
         """The units as configured, without knobs."""
-        return [
-            RunSpec(unit, self.gpu, audit=self.audit, picture=self.pictures) for unit in self.units
+        specs = [
+            RunSpec(
+                unit,
+                self.gpu,
+                audit=self.audit,
+                picture=self.pictures,
+                sample=self.sample,
+                check_sample=self.sample is not None,
+            )
+            for unit in self.units
         ]
-
-
-class _Table:
-    """A TOML table that knows which of its keys were read."""
-
-    def __init__(self, values: dict[str, Any], file: Path, text: str, prefix: str = ""):
-        self._values, self._file, self._text, self._prefix = values, file, text, prefix
-        self._read: set[str] = set()
-
-    def where(self, key: str) -> str:
-        pattern = re.compile(rf"^(\s*\[*)\s*(?:[\w.]+\.)?{re.escape(key)}\b", re.MULTILINE)
-        match = pattern.search(self._text)
-        if match is None:
-            return str(self._file)
-        line = self._text.count("\n", 0, match.start()) + 1
-        start = match.end(1)
-        column = start - self._text.rfind("\n", 0, start)
-        return f"{self._file}:{line}:{column}"
-
-    def get(self, key: str, kind: type | tuple[type, ...], fallback: Any = ...) -> Any:
-        self._read.add(key)
-        if key not in self._values:
-            if fallback is ...:
-                raise UserError(f"{self._file}: {self._prefix}{key} is missing", "add it")
-            return fallback
-        value = self._values[key]
-        if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-            raise UserError(f"{self.where(key)}: {key} = {value!r} has the wrong type")
-        return value
-
-    def table(self, key: str) -> _Table | None:
-        values = self.get(key, dict, None)
-        return None if values is None else _Table(values, self._file, self._text, f"{key}.")
-
-    def tables(self, key: str) -> list[_Table]:
-        found = self.get(key, list, [])
-        return [_Table(values, self._file, self._text, f"{key}.") for values in found]
-
-    def rest(self) -> dict[str, Any]:
-        """All keys not read so far; they count as read."""
-        out = {key: value for key, value in self._values.items() if key not in self._read}
-        self._read |= set(out)
-        return out
-
-    def reject_unknown(self) -> None:
-        for key in self._values:
-            if key not in self._read:
-                raise UserError(
-                    f"{self.where(key)}: unknown key {self._prefix}{key}",
-                    f"known here: {', '.join(sorted(self._read))}",
-                )
+        return with_same_area(specs) if self.same_area else specs
 
 
 def find(text: str) -> Path:
@@ -148,18 +119,10 @@ def find(text: str) -> Path:
 
 
 def load(path: Path, only_scenes: Sequence[str] | None = None) -> Experiment:
-    try:
-        text = path.read_text(encoding="utf-8")
-        values = tomllib.loads(text)
-    except OSError as error:
-        raise UserError(f"{path}: {error.strerror}", "name an experiment file") from error
-    except tomllib.TOMLDecodeError as error:
-        raise UserError(f"{path}: {error}", "mend the TOML syntax") from error
-    top = _Table(values, path, text)
+    top = Table.read(path)
     size = top.get("size", list, [128, 128])
     if len(size) != 2 or not all(isinstance(n, int) and n > 0 for n in size):
         raise UserError(f"{top.where('size')}: size is [width, height]")
-    factorial = top.table("factorial")
     experiment = Experiment(
         file=path,
         title=top.get("title", str),
@@ -171,9 +134,10 @@ def load(path: Path, only_scenes: Sequence[str] | None = None) -> Experiment:
         gpu=top.get("gpu", str, None),
         audit=top.get("audit", int, DEFAULT_AUDIT),
         pictures=top.get("pictures", bool, False),
+        same_area=top.get("same_area", bool, False),
+        sample=top.get("sample", float, None),
         knobs=tuple(_knob(table) for table in top.tables("knob")),
-        factorial_unit=factorial.get("unit", str, "a2rt") if factorial else "a2rt",
-        factorial=_space(factorial) if factorial else None,
+        factorials=tuple(_factorial(table) for table in top.tables("factorial")),
         search=_search(top.table("search")),
     )
     if only_scenes:
@@ -182,21 +146,32 @@ def load(path: Path, only_scenes: Sequence[str] | None = None) -> Experiment:
     return experiment
 
 
-def _knob(table: _Table) -> Knob:
+def _knob(table: Table) -> Knob:
     knob = Knob(
         table.get("unit", str, "a2rt"),
         table.get("key", str),
         tuple(table.get("values", list)),
         table.get("default", (int, float, str, bool)),
         table.get("title", str),
+        tuple(table.get("labels", list, [])),
+        table.get("order", str, ""),
     )
     table.reject_unknown()
+    if knob.order not in ("", "finer", "coarser"):
+        raise UserError(f"{table.where('order')}: {knob.key}: order is finer or coarser")
+    if knob.labels and len(knob.labels) != len(knob.values):
+        raise UserError(f"{table.where('labels')}: {knob.key}: one label for each value")
     if knob.default not in knob.values:
         raise UserError(f"{table.where('default')}: {knob.key}: the default is not in values")
     return knob
 
 
-def _space(table: _Table) -> dict[str, tuple[Any, ...]]:
+def _factorial(table: Table) -> Factorial:
+    title, unit = table.get("title", str), table.get("unit", str, "a2rt")
+    return Factorial(title, unit, _space(table))
+
+
+def _space(table: Table) -> dict[str, tuple[Any, ...]]:
     """Parameter -> values; dotted keys are quoted in the file."""
     out = {}
     for key, values in table.rest().items():
@@ -206,7 +181,7 @@ def _space(table: _Table) -> dict[str, tuple[Any, ...]]:
     return out
 
 
-def _search(table: _Table | None) -> Search | None:
+def _search(table: Table | None) -> Search | None:
     if table is None:
         return None
     space = table.table("space")

@@ -1,17 +1,19 @@
-"""Sweeps: they run, resume, plan for a cluster, and their page works in a browser."""
+"""Sweeps: they run, resume after being killed, search within a budget, plan for a cluster."""
 
 from __future__ import annotations
 
-import html
 import json
-import re
-import shutil
+import os
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
+from a2rt_cli.paths import BUILD, SCRIPTS
 
-snakemake = pytest.importorskip("snakemake", reason="scripts/requirements-sweep.txt is missing")
+snakemake = pytest.importorskip(
+    "snakemake", reason="scripts/requirements-sweep.txt is missing"
+)
 
 TINY = """title = "tiny"
 scenes = ["cornell"]
@@ -38,23 +40,11 @@ def tiny(a2rt) -> Path:
     return path
 
 
-def dom_after_scripts(page: Path, profile: Path) -> str:
-    """The page's DOM after its scripts ran, from a browser without network."""
-    browser = shutil.which("chromium")
-    if browser is None:
-        pytest.skip("chromium is not installed")
-    flags = "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
-    flags += "--disable-background-networking --disable-component-update --disable-sync"
-    command = [browser, *flags.split(), f"--user-data-dir={profile}", "--dump-dom"]
-    command += ["--virtual-time-budget=5000", page.resolve().as_uri()]
-    reply = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
-    assert reply.returncode == 0, reply.stderr[-2000:]
-    return reply.stdout
-
-
 def test_a_sweep_runs_each_point_once_and_writes_a_page_that_works(a2rt, tiny):
     a2rt.ok("sweep", tiny, "-o", "out")
-    found = json.loads((a2rt.folder / "out" / "results.json").read_text(encoding="utf-8"))
+    found = json.loads(
+        (a2rt.folder / "out" / "results.json").read_text(encoding="utf-8")
+    )
     # The default of a knob is the unit as configured: baseline, a2rt, a2rt with 6 bits.
     assert len(found) == 3
     points = sorted((a2rt.folder / "out" / "points").glob("*.json"))
@@ -62,10 +52,70 @@ def test_a_sweep_runs_each_point_once_and_writes_a_page_that_works(a2rt, tiny):
     a2rt.ok("sweep", tiny, "-o", "out")
     assert [path.stat().st_mtime_ns for path in points] == stamps
 
-    dom = dom_after_scripts(a2rt.folder / "out" / "report.html", a2rt.folder / "profile")
-    scatter = re.search(r'<svg id="scatter".*?</svg>', dom, re.DOTALL)
-    assert scatter and scatter[0].count('class="point"') == 3
-    assert "redundant hits" in html.unescape(scatter[0])
+    page = (a2rt.folder / "out" / "report.html").read_text(encoding="utf-8")
+    assert "precision.box_bits" in page and "data:image/png;base64," in page
+
+
+def test_a_killed_sweep_goes_on_and_repeats_nothing(a2rt, tiny):
+    psutil = pytest.importorskip("psutil")
+    command = [
+        str(SCRIPTS / "a2rt"),
+        "sweep",
+        str(tiny),
+        "-o",
+        "out",
+        "--parallel",
+        "1",
+    ]
+    env = {**os.environ, "A2RT_NO_SETUP": "1", "A2RT_BUILD_DIR": str(BUILD)}
+    running = subprocess.Popen(
+        command, cwd=a2rt.folder, env=env, stderr=subprocess.DEVNULL
+    )
+    points = a2rt.folder / "out" / "points"
+    deadline = time.monotonic() + 120
+    while not list(points.glob("*.json")):
+        assert time.monotonic() < deadline and running.poll() is None
+        time.sleep(0.02)
+    for child in [*psutil.Process(running.pid).children(recursive=True), running]:
+        child.kill()
+    running.wait()
+    before = {path: path.stat().st_mtime_ns for path in points.glob("*.json")}
+    for path in before:
+        json.loads(path.read_text(encoding="utf-8"))
+    a2rt.ok("sweep", tiny, "-o", "out")
+    assert len(list(points.glob("*.json"))) == 3
+    assert {path: path.stat().st_mtime_ns for path in before} == before
+    assert not list((a2rt.folder / "out").rglob(".*.partial*"))
+
+
+def test_the_search_stays_within_its_budget_and_goes_on_where_it_was(a2rt, tiny):
+    search = """
+[search]
+unit = "a2rt"
+minimise = "memory.by_kind.sub_node.bytes"
+most_lost_hits = 0
+most_extra_redundant = 0.01
+
+[search.space]
+"precision.box_bits" = [4, 8, 12]
+"""
+    tiny.write_text(TINY + search, encoding="utf-8")
+    a2rt.ok("sweep", tiny, "--search", "--trials", "4", "-o", "out")
+    said = a2rt.ok("sweep", tiny, "--search", "--trials", "6", "-o", "out")
+    summary = json.loads(
+        (a2rt.folder / "out" / "search.json").read_text(encoding="utf-8")
+    )
+    assert len(summary["trials"]) == 6
+    limit = summary["default"]["redundant"] * 1.01
+    within = [trial for trial in summary["trials"] if trial["within_budget"]]
+    for trial in summary["trials"]:
+        assert trial["within_budget"] == (
+            trial["redundant"] <= limit and trial["lost"] == 0
+        )
+    # 4 bits are the cheapest in bytes, but let through more than the budget allows.
+    assert summary["best"]["cost"] == min(trial["cost"] for trial in within)
+    assert summary["best"]["parameters"]["precision.box_bits"] != 4
+    assert "within the budget" in said
 
 
 def test_a_missing_point_is_run_again(a2rt, tiny):
@@ -79,12 +129,16 @@ def test_a_missing_point_is_run_again(a2rt, tiny):
 
 
 def test_the_slurm_profile_plans_the_experiment(a2rt):
-    said = a2rt.ok("sweep", "price-of-accuracy", "--profile", "slurm", "--dry-run", "-o", "out")
+    said = a2rt.ok(
+        "sweep", "price-of-accuracy", "--profile", "slurm", "--dry-run", "-o", "out"
+    )
     assert "dry run" in said
     assert not (a2rt.folder / "out" / "points").exists()
 
 
 def test_an_unknown_profile_is_refused(a2rt, tiny):
-    reply = a2rt("sweep", tiny, "--profile", "no-such-profile", "--dry-run", "-o", "out")
+    reply = a2rt(
+        "sweep", tiny, "--profile", "no-such-profile", "--dry-run", "-o", "out"
+    )
     assert reply.returncode == 2
     assert "no-such-profile" in reply.stderr

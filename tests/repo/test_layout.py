@@ -33,7 +33,7 @@ MAY_INCLUDE = {
     "rt": {"base", "config", "arith", "workload", "bvh", "capture"},
     "hard": {"base", "config", "arith", "workload", "bvh", "rt"},
     "timing": {"base", "config", "workload", "rt", "capture"},
-    "energy": {"base", "config", "workload", "rt", "timing", "capture"},
+    "energy": {"base", "config", "arith", "workload", "rt", "timing", "capture"},
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]a2rt/(\w+)/', re.MULTILINE)
 

@@ -18,6 +18,7 @@ class Difference:
     changed_pixels: int
     rmse: float  # over the three channels, in [0, 1]
     max_error: float  # largest change of one channel, in [0, 1]
+    flip: float  # mean LDR-FLIP, in [0, 1]: what an eye sees at 67 pixels per degree
 
     def as_dict(self) -> dict[str, float]:
         return asdict(self)
@@ -35,18 +36,32 @@ def load(path: Path):
         raise UserError(f"{path}: not a readable picture ({error})") from error
 
 
+def _flip(reference, other) -> float:
+    """Mean FLIP of two byte pictures (Andersson et al., HPG 2020), by its authors' evaluator."""
+    import flip_evaluator
+    import numpy as np
+
+    pair = [(picture / 255.0).astype(np.float32) for picture in (reference, other)]
+    _, mean, _ = flip_evaluator.evaluate(*pair, "LDR", applyMagma=False)
+    return float(mean)
+
+
 def compare(reference: Path, other: Path) -> Difference:
+    """Raises UserError where a picture is unreadable or the sizes differ."""
     import numpy as np
 
     a, b = load(reference), load(other)
     if a.shape != b.shape:
         raise UserError(f"{other}: {b.shape[1]}x{b.shape[0]}, but {reference} is not")
     delta = np.abs(a.astype(np.int16) - b.astype(np.int16))
+    changed = int(np.count_nonzero(delta.max(axis=2)))
     return Difference(
         pixels=int(a.shape[0] * a.shape[1]),
-        changed_pixels=int(np.count_nonzero(delta.max(axis=2))),
+        changed_pixels=changed,
         rmse=float(np.sqrt(np.mean((delta / 255.0) ** 2))),
         max_error=float(delta.max() / 255.0),
+        # Equal pictures need no evaluator, whose import takes longer than the comparison.
+        flip=_flip(a, b) if changed else 0.0,
     )
 
 

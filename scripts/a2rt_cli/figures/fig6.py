@@ -20,60 +20,90 @@ BINS = 24
 PAIRS = 1_000_000
 
 
+_TITLES = {"a2rt": "A²RT", "aqb8": "AQB8", "a2rt-literal": "A²RT as printed"}
+# Exponent below which AQB8's 5-bit shift overflows its 32-bit integers (spec of its artifact).
+_AQB8_LIMIT = -16
+
+
+def _title(unit: str) -> str:
+    return _TITLES.get(unit, unit)
+
+
 def _rate(counts: Any, among: Any):
+    """Counts over their population; NaN where there is none."""
     import numpy as np
 
     a, b = np.asarray(counts, dtype=float), np.asarray(among, dtype=float)
     return np.divide(a, b, out=np.full_like(a, np.nan), where=b > 0)
 
 
-def _map(axes, figure, grid, title: str, high: float) -> None:
+_KINDS = (("redundant", "exact_misses", "true misses"), ("missed", "exact_hits", "true hits"))
+
+
+def _map(axes, grid, title: str, high: float):
     shown = axes.imshow(
-        grid * 100, origin="lower", extent=(0, 90, 0, 90), cmap="cividis", vmin=0, vmax=high
+        grid * 100, origin="lower", extent=(0, 0.5, 0, 0.5), cmap="cividis", vmin=0, vmax=high
     )
     axes.set_title(title, loc="left", fontsize=10)
-    axes.set_xlabel("φ in degrees")
-    axes.set_ylabel("θ in degrees")
+    ticks = [0, 0.125, 0.25, 0.375, 0.5]
+    words = ["0", "π/8", "π/4", "3π/8", "π/2"]
+    axes.set_xticks(ticks, words)
+    axes.set_yticks(ticks, words)
+    axes.set_xlabel("φ (azimuth)")
+    axes.set_ylabel("θ (from the z axis)")
     axes.grid(False)
-    figure.colorbar(shown, ax=axes, label="%", shrink=0.8)
+    for side in ("top", "right", "bottom", "left"):
+        axes.spines[side].set_visible(False)
+    return shown
+
+
+def _map_title(unit: str, kind: str, data: dict[str, Any], among: str, population: str) -> str:
+    wrong, of = (sum(map(sum, data[key])) for key in (kind, among))
+    share = formats.percent(wrong / of, 2 if wrong else 0) if of else formats.NOTHING
+    return f"{_title(unit)}: {kind} hits\n{share} of {population} ({wrong:,} of {of:,})"
 
 
 def _draw_maps(found: dict[str, Any], out: Path) -> list[Path]:
+    """One row a unit, one column a kind of error; a column shares its scale and colour bar."""
     import numpy as np
 
     units = found["units"]
-    figure, _ = plotting.new(10, 4.0 * len(units))
+    figure, _ = plotting.new(9.2, 4.1 * len(units))
     figure.clf()
     grid = figure.subplots(len(units), 2, squeeze=False)
-    kinds = (("redundant", "exact_misses"), ("missed", "exact_hits"))
-    rates = {
-        (unit, kind): _rate(data[kind], data[among])
-        for unit, data in units.items()
-        for kind, among in kinds
-    }
-    for row, unit in enumerate(units):
-        for column, (kind, _) in enumerate(kinds):
-            # Both units share a scale, so that brightness compares.
-            high = max(float(np.nanmax(rates[u, kind])) for u in units) * 100 or 1.0
-            _map(grid[row][column], figure, rates[unit, kind], f"{unit}: {kind} hits", high)
+    for column, (kind, among, population) in enumerate(_KINDS):
+        rates = {unit: _rate(data[kind], data[among]) for unit, data in units.items()}
+        # Both units share a scale, so that brightness compares.
+        high = max(float(np.nanmax(rate)) for rate in rates.values()) * 100 or 1.0
+        for row, (unit, data) in enumerate(units.items()):
+            title = _map_title(unit, kind, data, among, population)
+            shown = _map(grid[row][column], rates[unit], title, high)
+        bar = figure.colorbar(shown, ax=[rows[column] for rows in grid], shrink=0.6, pad=0.03)
+        bar.set_label(f"{kind} hits, % of {population} in the bin")
+        bar.outline.set_visible(False)
     return plotting.save(figure, out, NAME)
 
 
 def _draw_near_axis(found: dict[str, Any], out: Path) -> list[Path]:
     near = found["near_axis"]
-    figure, (redundant, missed) = plotting.new(10, 3.6, columns=2)
-    for index, (unit, data) in enumerate(near["units"].items()):
-        colour = charts.unit_colour(unit, index)
-        for axes, kind, among in (
-            (redundant, "redundant", "exact_misses"),
-            (missed, "missed", "exact_hits"),
-        ):
+    figure, panels = plotting.new(10, 3.8, columns=2)
+    exponents = near["log2_d"]
+    for axes, (kind, among, population) in zip(panels, _KINDS, strict=True):
+        for index, (unit, data) in enumerate(near["units"].items()):
             rate = _rate(data[kind], data[among]) * 100
-            axes.plot(near["log2_d"], rate, color=colour, label=unit, marker=".")
-    for axes, kind in ((redundant, "redundant"), (missed, "missed")):
-        axes.set_xlabel("log2 of the smallest direction component")
-        axes.set_ylabel(f"{kind} hits, %")
-        axes.legend()
+            style = {"color": charts.unit_colour(unit, index), "marker": "os^D"[index % 4]}
+            axes.plot(exponents, rate, label=_title(unit), markersize=4, **style)
+        axes.set_title(f"{kind.capitalize()} hits, % of {population}", loc="left", fontsize=10)
+        axes.set_xlabel("smallest component of the direction, |d|")
+        ticks = range(int(exponents[0] - 0.5), 1, 5)
+        axes.set_xticks(list(ticks), [f"$2^{{{e}}}$" for e in ticks])
+        axes.set_ylim(bottom=0)
+        if "aqb8" in near["units"]:
+            axes.axvline(_AQB8_LIMIT, color="#6b7280", linewidth=1, linestyle=":")
+            words = "below $2^{-16}$ AQB8's\n5-bit shift overflows"
+            place = (_AQB8_LIMIT + 0.5, axes.get_ylim()[1] * 0.97)
+            axes.annotate(words, place, va="top", fontsize=8.5, color="#5b6577")
+    panels[0].legend(loc="upper left" if panels[0].get_ylim()[1] > 0 else "best")
     return plotting.save(figure, out, f"{NAME}-near-axis")
 
 

@@ -1,69 +1,113 @@
-"""The price list: what each step of each precision knob changes in accuracy, time and energy."""
+"""The price list: what each step of each precision knob changes in accuracy, time and energy.
+
+Everything here is data. A price is taken per workload against the unit's own configuration on the
+same rays; over several workloads ratios are averaged by the geometric mean, counts are summed.
+"""
 
 from __future__ import annotations
 
-import itertools
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from a2rt_cli import formats, results
-from a2rt_cli.experiment import Experiment, Knob
+from a2rt_cli.experiment import Experiment, Factorial, Knob
 from a2rt_cli.results import Result
-from a2rt_cli.sweep.plan import override
+from a2rt_cli.sweep.plan import combinations, override
+
+# Stands for the mean over all workloads wherever a workload is named.
+ALL = "all"
+# Components of the energy table that are quantized box testers.
+_TESTERS = ("qbox_a2rt", "qbox_aqb8")
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Means over the workloads; ratios are against the unit's default configuration."""
+    """Accuracy as it is; prices as ratios to the unit's own configuration. None: not measured."""
 
-    lost_hits: float | None
-    missed: float | None
-    redundant: float | None
-    rmse: float | None
+    lost_hits: float | None  # rays, summed
+    missed: float | None  # box tests of the audited rays, summed
+    redundant: float | None  # per true miss, mean
+    rmse: float | None  # against the driver's picture, mean
+    flip: float | None
+    changed_pixels: float | None  # summed
     cycles: float | None  # ratio
     node_bytes: float | None  # ratio
     energy: float | None  # ratio
+    tester_energy: float | None  # ratio, of the quantized box testers alone
+    area: float | None  # µm² of one quantized tester
+    area_ratio: float | None
 
 
-def _of_config(found: Sequence[Result], unit: str, overrides: list[str]) -> dict[str, Result]:
-    return {
-        results.workload_name(one): one
-        for one in found
-        if results.unit_name(one) == unit and one.get("overrides", []) == overrides
-    }
+class Found:
+    """The runs of a sweep by workload, unit and overrides."""
+
+    def __init__(self, found: Iterable[Result]):
+        self._runs: dict[tuple[str, tuple[str, ...]], dict[str, Result]] = {}
+        for one in found:
+            # Written in any order, a set of changes is one configuration.
+            key = (results.unit_name(one), tuple(sorted(one.get("overrides", []))))
+            self._runs.setdefault(key, {})[results.workload_name(one)] = one
+
+    def of(self, unit: str, overrides: Iterable[str], scope: str) -> dict[str, Result]:
+        """Runs by workload; of one workload, or of ALL."""
+        runs = self._runs.get((unit, tuple(sorted(overrides))), {})
+        return runs if scope == ALL else {k: v for k, v in runs.items() if k == scope}
 
 
-def _ratio(runs: dict[str, Result], base: dict[str, Result], value) -> float | None:
+def scopes(found: Sequence[Result]) -> list[str]:
+    names = list(results.by_workload(found))
+    return [ALL, *names] if len(names) > 1 else names
+
+
+Measure = Callable[[Result], float | None]
+
+
+def _at(dotted: str) -> Measure:
+    return lambda one: results.get(one, dotted)
+
+
+def tester_energy(one: Result) -> float | None:
+    parts = results.get(one, "energy.by_component") or {}
+    found = [parts[name] for name in _TESTERS if name in parts]
+    return sum(found) if found else None
+
+
+def _ratio(runs: dict[str, Result], base: dict[str, Result], value: Measure) -> float | None:
     shares = [results.ratio(value(runs[name]), value(base[name])) for name in runs if name in base]
     good = [share for share in shares if share is not None]
-    return formats.geometric_mean(good) if len(good) == len(shares) else None
+    return formats.geometric_mean(good) if good and len(good) == len(runs) else None
 
 
-def _total(runs: dict[str, Result], value) -> float | None:
+def _total(runs: dict[str, Result], value: Measure) -> float | None:
     values = [value(one) for one in runs.values()]
     return None if not values or any(v is None for v in values) else float(sum(values))
 
 
-def _mean(runs: dict[str, Result], value) -> float | None:
+def _mean(runs: dict[str, Result], value: Measure) -> float | None:
     total = _total(runs, value)
     return None if total is None else total / len(runs)
 
 
-def cost(found: Sequence[Result], unit: str, overrides: list[str]) -> Cost | None:
-    runs = _of_config(found, unit, overrides)
-    base = _of_config(found, unit, [])
+def cost(found: Found, unit: str, overrides: Iterable[str], scope: str = ALL) -> Cost | None:
+    runs, base = found.of(unit, overrides, scope), found.of(unit, (), scope)
     if not runs:
         return None
+    area = _at("area.tester.um2")
     return Cost(
-        _total(runs, results.lost_hits),
-        _total(runs, lambda one: results.get(one, "accuracy.missed_hits")),
-        _mean(runs, results.redundant_share),
-        _mean(runs, lambda one: results.get(one, "picture.rmse")),
-        _ratio(runs, base, lambda one: results.get(one, "time.cycles")),
-        _ratio(runs, base, results.node_bytes),
-        _ratio(runs, base, lambda one: results.get(one, "energy.total_pj")),
+        lost_hits=_total(runs, results.lost_hits),
+        missed=_total(runs, _at("accuracy.missed_hits")),
+        redundant=_mean(runs, results.redundant_share),
+        rmse=_mean(runs, _at("picture.rmse")),
+        flip=_mean(runs, _at("picture.flip")),
+        changed_pixels=_total(runs, _at("picture.changed_pixels")),
+        cycles=_ratio(runs, base, _at("time.cycles")),
+        node_bytes=_ratio(runs, base, results.node_bytes),
+        energy=_ratio(runs, base, _at("energy.total_pj")),
+        tester_energy=_ratio(runs, base, tester_energy),
+        area=_mean(runs, area),
+        area_ratio=_ratio(runs, base, area),
     )
 
 
@@ -79,123 +123,43 @@ class Price:
     def is_default(self) -> bool:
         return self.value == self.knob.default
 
+    @property
+    def label(self) -> str:
+        return self.knob.label(self.value)
 
-def price_list(experiment: Experiment, found: Sequence[Result]) -> list[list[Price]]:
+
+def prices_of(knob: Knob, found: Found, scope: str = ALL) -> list[Price]:
+    """The knob's values in order, without those that were not run."""
+    rows = []
+    for value in knob.values:
+        changes = [] if value == knob.default else [override(knob.key, value)]
+        paid = cost(found, knob.unit, changes, scope)
+        if paid is not None:
+            rows.append(Price(knob, value, paid))
+    return rows
+
+
+def price_list(experiment: Experiment, found: Found, scope: str = ALL) -> list[list[Price]]:
     """Per knob, its values in order."""
+    return [rows for knob in experiment.knobs if (rows := prices_of(knob, found, scope))]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One combination of a factorial."""
+
+    values: dict[str, Any]
+    cost: Cost
+
+
+def grid(
+    experiment: Experiment, factorial: Factorial, found: Found, scope: str = ALL
+) -> list[Cell]:
     out = []
-    for knob in experiment.knobs:
-        rows = []
-        for value in knob.values:
-            changes = [] if value == knob.default else [override(knob.key, value)]
-            paid = cost(found, knob.unit, changes)
-            if paid is not None:
-                rows.append(Price(knob, value, paid))
-        if rows:
-            out.append(rows)
-    return out
-
-
-def one_more_bit(rows: Sequence[Price]) -> list[list[str]]:
-    """Step by step: what going from one value to the next changes."""
-    out = []
-    for before, after in itertools.pairwise(rows):
-        out.append(
-            [
-                f"{before.value} → {after.value}",
-                _change(before.cost.redundant, after.cost.redundant),
-                _difference(before.cost.lost_hits, after.cost.lost_hits),
-                _change(before.cost.cycles, after.cost.cycles),
-                _change(before.cost.node_bytes, after.cost.node_bytes),
-                _change(before.cost.energy, after.cost.energy),
-            ]
-        )
-    return out
-
-
-def _change(before: float | None, after: float | None) -> str:
-    share = results.ratio(after, before)
-    return formats.NOTHING if share is None else f"{(share - 1) * 100:+.2f} %"
-
-
-def _difference(before: float | None, after: float | None) -> str:
-    if before is None or after is None:
-        return formats.NOTHING
-    return f"{after - before:+,.0f}"
-
-
-def sentences(prices: Sequence[Sequence[Price]]) -> list[str]:
-    """What the list says, knob by knob, in words the data support."""
-    out = []
-    for rows in prices:
-        knob = rows[0].knob
-        timed = [row for row in rows if row.cost.cycles is not None]
-        clean = [row for row in rows if row.cost.lost_hits == 0]
-        text = f"{knob.title}: "
-        if len(clean) == len(rows):
-            text += "no value loses a hit"
-        else:
-            losing = [str(row.value) for row in rows if row.cost.lost_hits]
-            text += f"hits are lost at {', '.join(losing)}"
-        if timed:
-            low = min(timed, key=lambda row: row.cost.cycles)
-            high = max(timed, key=lambda row: row.cost.cycles)
-            spread = high.cost.cycles / low.cost.cycles - 1
-            text += (
-                f"; cycles differ by {formats.percent(spread)} between the best value "
-                f"({low.value}) and the worst ({high.value}); the default is {knob.default}"
-            )
-        else:
-            shares = [row for row in rows if row.cost.node_bytes is not None]
-            if shares:
-                low = min(shares, key=lambda row: row.cost.node_bytes)
-                text += f"; fewest node bytes at {low.value} ({knob.default} is the default)"
-        out.append(text + ".")
-    return out
-
-
-def pareto(points: Sequence[tuple[float, float]]) -> set[int]:
-    """Indices of points that no other beats in both coordinates (smaller is better)."""
-    order = sorted(range(len(points)), key=lambda i: points[i])
-    front, best = set(), float("inf")
-    for index in order:
-        if points[index][1] < best:
-            front.add(index)
-            best = points[index][1]
-    return front
-
-
-def scatter(found: Sequence[Result]) -> list[dict[str, Any]]:
-    """Points of the Pareto plot, per workload: redundant hits against cycles (or bytes)."""
-    out = []
-    for name, group in results.by_workload(found).items():
-        rows = []
-        for one in group:
-            timed = results.get(one, "time.cycles")
-            y = timed if timed is not None else results.tree_bytes(one)
-            x = results.redundant_share(one)
-            if x is None and results.unit_name(one) == results.BASELINE:
-                x = 0.0
-            if x is None or y is None:
-                continue
-            picture = one.get("picture") or {}
-            rows.append(
-                {
-                    "x": x,
-                    "y": y,
-                    "workload": name,
-                    "unit": results.unit_name(one),
-                    "label": results.label(one),
-                    "lost": results.lost_hits(one),
-                    "picture": picture.get("file"),
-                    "difference": picture.get("difference"),
-                    "changed": picture.get("changed_pixels"),
-                    "axis": "cycles" if timed is not None else "L1 bytes",
-                }
-            )
-        front = pareto([(row["x"], row["y"]) for row in rows])
-        for index, row in enumerate(rows):
-            row["front"] = index in front
-        out += rows
+    for overrides, values in combinations(experiment, factorial).items():
+        paid = cost(found, factorial.unit, overrides, scope)
+        if paid is not None:
+            out.append(Cell(values, paid))
     return out
 
 

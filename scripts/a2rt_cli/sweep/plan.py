@@ -13,7 +13,7 @@ from a2rt_cli.engine import programs, scenes
 from a2rt_cli.engine.renderer import RenderOptions
 from a2rt_cli.engine.runs import RunSpec
 from a2rt_cli.errors import UserError
-from a2rt_cli.experiment import Experiment
+from a2rt_cli.experiment import Experiment, Factorial
 from a2rt_cli.files import hash_values, read_json, write_json, write_text
 
 find = experiment.find
@@ -27,7 +27,12 @@ class Point:
     name: str
     capture: str
     spec: RunSpec
-    roles: tuple[str, ...]  # "unit", "knob:KEY", "factorial"
+    roles: tuple[str, ...]  # "unit", "knob:UNIT.KEY", "factorial:TITLE"
+
+
+# Points that one job of the workflow runs one after another: a job costs a second or two by itself,
+# much of a point; and a cluster would be flooded by jobs of seconds.
+BATCH = 12
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,17 @@ class Plan:
     title: str
     captures: dict[str, dict[str, Any]]
     points: list[Point]
+
+    def batches(self) -> dict[str, list[Point]]:
+        """Points by the job that runs them. All of a job share a capture; the name says which."""
+        out = {}
+        for capture in self.captures:
+            members = [point for point in self.points if point.capture == capture]
+            for start in range(0, len(members), BATCH):
+                batch = members[start : start + BATCH]
+                key = hash_values([point.name for point in batch])[:12]
+                out[f"{capture}.{key}"] = batch
+        return out
 
 
 def toml_text(value: Any) -> str:
@@ -62,21 +78,30 @@ def _specs(one: Experiment) -> dict[RunSpec, list[str]]:
             # The default is the unit as configured, so that all knobs share that one run.
             changes = () if value == knob.default else (override(knob.key, value),)
             add(_spec(one, knob.unit, changes), f"knob:{knob.unit}.{knob.key}")
-    if one.factorial:
-        for values in itertools.product(*one.factorial.values()):
-            changes = [
-                override(key, value)
-                for key, value in zip(one.factorial, values, strict=True)
-                if value != _default(one, key)
-            ]
-            add(_spec(one, one.factorial_unit, tuple(changes)), "factorial")
+    for factorial in one.factorials:
+        for changes in combinations(one, factorial):
+            add(_spec(one, factorial.unit, changes), f"factorial:{factorial.title}")
     return found
 
 
-def _default(one: Experiment, key: str) -> Any:
+def combinations(one: Experiment, factorial: Factorial) -> dict[tuple[str, ...], dict[str, Any]]:
+    """The overrides of every combination -> its values; a unit's own value is not overridden."""
+    out = {}
+    for values in itertools.product(*factorial.space.values()):
+        chosen = dict(zip(factorial.space, values, strict=True))
+        changes = [
+            override(key, value)
+            for key, value in chosen.items()
+            if value != _default(one, factorial.unit, key)
+        ]
+        out[tuple(changes)] = chosen
+    return out
+
+
+def _default(one: Experiment, unit: str, key: str) -> Any:
     """The unit's own value of a key, if a knob of the experiment states it."""
     for knob in one.knobs:
-        if knob.unit == one.factorial_unit and knob.key == key:
+        if knob.unit == unit and knob.key == key:
             return knob.default
     return None
 
@@ -100,8 +125,20 @@ def make(one: Experiment) -> Plan:
 def write(one: Experiment, out: Path) -> Plan:
     """Writes OUT/plan.json. A changed experiment makes a new plan; finished points stay."""
     planned = make(one)
-    write_json(out / "plan.json", asdict(planned))
+    batches = {
+        name: {"capture": points[0].capture, "points": [point.name for point in points]}
+        for name, points in planned.batches().items()
+    }
+    write_json(out / "plan.json", {**asdict(planned), "batches": batches})
     return planned
+
+
+def unfinished(plan: Plan, out: Path) -> list[Point]:
+    return [point for point in plan.points if not point_file(out, point).is_file()]
+
+
+def point_file(out: Path, point: Point) -> Path:
+    return out / "points" / f"{point.name}.json"
 
 
 def read(path: Path) -> Plan:
@@ -133,7 +170,7 @@ def collect(plan: Plan, out: Path, command: str) -> list[dict[str, Any]]:
     """Writes results.json and results.csv from the finished points."""
     found = []
     for point in plan.points:
-        path = out / "points" / f"{point.name}.json"
+        path = point_file(out, point)
         if not path.is_file():
             raise UserError(f"{path}: this point did not finish", "run the sweep again")
         result = read_json(path)

@@ -57,15 +57,16 @@ def _measure(
 
 
 def run(one: Experiment, out: Path, trials: int, parallel: int) -> dict[str, Any]:
-    """Returns {default, best, trials}; also in OUT/search.json."""
+    """Returns {default, best, trials, ...}; also in OUT/search.json."""
     if one.search is None:
         raise UserError(f"{one.file}: no [search] table", "add one; see price-of-accuracy.toml")
     with exclusive(out):
         captured = _captures(one, out)
         default = _measure(one, captured, (), out, parallel)
         study = _study(one.search, out, [c.key for c in captured])
-        left = trials - len(study.trials)
-        with console.step(f"Searching, {max(left, 0)} trials to go") as shown:
+        # A trial that was running when the search was killed has no value and is made up for.
+        left = max(0, trials - sum(1 for trial in study.trials if trial.values))
+        with console.step(f"Searching, {left} of {trials} trials to go") as shown:
             for index in range(left):
                 trial = study.ask()
                 overrides = _choose(trial, one.search)
@@ -89,15 +90,18 @@ def _study(search: Search, out: Path, keys: list[str]):
 
     optuna.logging.set_verbosity(optuna.logging.WARNING)
     name = hash_values(search.unit, list(search.space.items()), search.minimise, keys)[:12]
-    return optuna.create_study(
+    study = optuna.create_study(
         study_name=name,
         storage=f"sqlite:///{(out / 'search.db').resolve()}",
         load_if_exists=True,
         direction="minimize",
-        sampler=optuna.samplers.TPESampler(
-            seed=SEED, constraints_func=lambda trial: trial.user_attrs["constraints"]
-        ),
     )
+    study.sampler = optuna.samplers.TPESampler(
+        # Not the same draws again when a search goes on where it was.
+        seed=SEED + len(study.trials),
+        constraints_func=lambda trial: trial.user_attrs["constraints"],
+    )
+    return study
 
 
 def _tell(study, trial, search: Search, measured: dict, default: dict) -> None:
@@ -111,29 +115,53 @@ def _tell(study, trial, search: Search, measured: dict, default: dict) -> None:
 
 
 def _summary(study, default: dict) -> dict[str, Any]:
-    finished = [trial for trial in study.trials if trial.values]
-    within = [t for t in finished if max(t.user_attrs["constraints"]) <= 0]
-    best = min(within, key=lambda trial: trial.values[0], default=None)
+    trials = [
+        {
+            "parameters": trial.params,
+            **trial.user_attrs["measured"],
+            "within_budget": max(trial.user_attrs["constraints"]) <= 0,
+        }
+        for trial in study.trials
+        if trial.values
+    ]
+    within = [trial for trial in trials if trial["within_budget"]]
     return {
         "default": default,
-        "trials": len(finished),
-        "within_budget": len(within),
-        "best": None
-        if best is None
-        else {"parameters": best.params, **best.user_attrs["measured"]},
+        "best": min(within, key=lambda trial: trial["cost"], default=None),
+        "trials": trials,
     }
+
+
+def _trial_rows(summary: dict[str, Any], most: int = 8) -> list[tuple[str, ...]]:
+    """The cheapest different configurations tried, best first."""
+    different = {tuple(trial["parameters"].items()): trial for trial in summary["trials"]}
+    order = sorted(different.values(), key=lambda trial: trial["cost"])
+    return [
+        (
+            ", ".join(f"{key.split('.')[-1]} {value}" for key, value in one["parameters"].items()),
+            f"{one['cost'] / summary['default']['cost']:.4f} ×",
+            f"{one['lost']:.0f}",
+            formats.percent(one["redundant"], 2),
+            "yes" if one["within_budget"] else "no",
+        )
+        for one in order[:most]
+    ]
 
 
 def print_best(one: Experiment, summary: dict[str, Any]) -> None:
     assert one.search is not None
-    best, default = summary["best"], summary["default"]
-    tried = f"{summary['within_budget']} of {summary['trials']} tried are within the budget"
+    best, default, trials = summary["best"], summary["default"], summary["trials"]
+    within = sum(trial["within_budget"] for trial in trials)
+    tried = f"{within} of {len(trials)} tried are within the budget"
+    console.heading(f"The cheapest by {one.search.minimise}, against the default")
+    columns = ("configuration", "cost", "lost hits", "redundant", "within budget")
+    print(console.table(columns, _trial_rows(summary)))
     if best is None:
         print(f"No configuration tried is within the budget ({tried}).")
         return
     console.heading(f"Best {one.search.unit} by {one.search.minimise} ({tried})")
     rows = [(key, str(value)) for key, value in best["parameters"].items()]
-    rows.append((one.search.minimise, f"{best['cost'] / default['cost']:.3f} × the default's"))
+    rows.append((one.search.minimise, f"{best['cost'] / default['cost']:.4f} × the default's"))
     rows.append(("lost hits", f"{best['lost']:.0f} (default {default['lost']:.0f})"))
     shares = (formats.percent(best["redundant"], 2), formats.percent(default["redundant"], 2))
     rows.append(("redundant", f"{shares[0]} (default {shares[1]})"))

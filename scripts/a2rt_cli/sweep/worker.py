@@ -1,9 +1,8 @@
-"""One job of the sweep's workflow: `python -m a2rt_cli.sweep.worker PLAN capture|point NAME`."""
+"""One job of the sweep's workflow: `python -m a2rt_cli.sweep.worker PLAN capture|batch NAME`."""
 
 from __future__ import annotations
 
 import sys
-from dataclasses import asdict
 from pathlib import Path
 
 from a2rt_cli import console
@@ -12,6 +11,9 @@ from a2rt_cli.engine.capture import Captured
 from a2rt_cli.errors import EXIT_USER, UserError
 from a2rt_cli.files import read_json, write_json
 from a2rt_cli.sweep import plan
+
+# Printed after every point; who starts the workflow follows its output for it.
+FINISHED = "@point"
 
 
 def make_capture(planned: plan.Plan, out: Path, name: str) -> None:
@@ -22,8 +24,15 @@ def make_capture(planned: plan.Plan, out: Path, name: str) -> None:
     write_json(out / "captures" / f"{name}.json", record)
 
 
-def make_point(planned: plan.Plan, out: Path, name: str) -> None:
-    point = next(point for point in planned.points if point.name == name)
+def make_batch(planned: plan.Plan, out: Path, name: str) -> None:
+    """Runs the points of a batch that are not there yet; each is written whole or not at all."""
+    for point in planned.batches()[name]:
+        if not plan.point_file(out, point).is_file():
+            _make_point(planned, out, point)
+            print(f"{FINISHED} {point.name}", flush=True)
+
+
+def _make_point(planned: plan.Plan, out: Path, point: plan.Point) -> None:
     record = read_json(out / "captures" / f"{point.capture}.json")
     scene, options = plan.capture_item(planned, point.capture)
     captured = Captured(
@@ -34,16 +43,15 @@ def make_point(planned: plan.Plan, out: Path, name: str) -> None:
         options,
         Path(record["picture"]),
     )
-    target = out / "points" / f"{name}.json"
-    result = runs.execute(captured, point.spec, target, out / "pictures")
-    write_json(target, {**result, "point": asdict(point)})
+    target = plan.point_file(out, point)
+    runs.execute(captured, point.spec, target, out / "pictures")
 
 
 def main(argv: list[str]) -> int:
     path, kind, name = argv
     planned, out = plan.read(Path(path)), Path(path).parent
     try:
-        {"capture": make_capture, "point": make_point}[kind](planned, out, name)
+        {"capture": make_capture, "batch": make_batch}[kind](planned, out, name)
     except UserError as error:
         console.note("\n".join(error.lines()))
         return EXIT_USER

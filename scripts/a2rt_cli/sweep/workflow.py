@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
 
 from a2rt_cli import console
 from a2rt_cli.errors import UserError
+from a2rt_cli.files import exclusive
 from a2rt_cli.paths import LOGS, SCRIPTS, venv_python
 from a2rt_cli.process import run_logged
+from a2rt_cli.sweep import plan as plans
 from a2rt_cli.sweep.plan import Plan
+from a2rt_cli.sweep.worker import FINISHED
 
 _FOLDER = SCRIPTS / "workflow"
-_STEPS = re.compile(r"^(\d+) of (\d+) steps")
 
 
 def _profile(text: str) -> Path:
@@ -47,11 +48,18 @@ def run(plan: Plan, out: Path, parallel: int, *, dry_run: bool, profile: str | N
     log = LOGS / "sweep.log"
     log.parent.mkdir(parents=True, exist_ok=True)
     log.write_text("", encoding="utf-8")
-    with console.step("Running the sweep") as shown:
+    todo = plans.unfinished(plan, out)
+    _forget_markers(plan, out, todo)
+    kept = len(plan.points) - len(todo)
+    title = f"Running {len(todo)} points" + (f" ({kept} are there already)" if kept else "")
+    finished = 0
+    with exclusive(out), console.step(title) as shown:
 
         def follow(line: str) -> None:
-            if match := _STEPS.match(line.strip()):
-                shown.update(int(match[1]) / int(match[2]), line.strip())
+            nonlocal finished
+            if line.startswith(FINISHED):
+                finished += 1
+                shown.update(finished / len(todo), f"{finished} of {len(todo)}")
 
         run_logged(
             words,
@@ -61,3 +69,11 @@ def run(plan: Plan, out: Path, parallel: int, *, dry_run: bool, profile: str | N
             env=env,
             on_line=follow,
         )
+
+
+def _forget_markers(plan: Plan, out: Path, todo: list[plans.Point]) -> None:
+    """A batch with a missing point is not done, whatever its marker says."""
+    missing = {point.name for point in todo}
+    for name, points in plan.batches().items():
+        if missing & {point.name for point in points}:
+            (out / "batches" / f"{name}.done").unlink(missing_ok=True)
