@@ -63,7 +63,8 @@ def add_overrides(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="change one parameter of the unit; may be repeated",
+        help="change one parameter of the unit, or of the machine (sm., l1., l2., dram., rt.); "
+        "may be repeated",
     )
 
 

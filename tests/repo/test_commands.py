@@ -109,3 +109,26 @@ def test_every_path_the_readme_names_exists():
     named = {path for path in named if "NAME" not in path}
     assert named
     assert not [path for path in sorted(named) if not (ROOT / path).exists()]
+
+
+def lab_commands() -> list[str]:
+    lines = []
+    for lab in sorted((SCRIPTS / "labs").glob("*.md")):
+        blocks = re.findall(r"^```sh\n(.*?)^```", lab.read_text(encoding="utf-8"), re.M | re.S)
+        lines += [line for block in blocks for line in block.splitlines() if line.strip()]
+    return lines
+
+
+def test_every_command_of_the_labs_parses():
+    lines = lab_commands()
+    assert len(lines) > 10
+    parser = app.build_parser()
+    for line in lines:
+        words = line.split()
+        assert words[0] == "scripts/a2rt", line
+        parser.parse_args(words[1:])
+
+
+def test_the_list_of_labs_names_every_lab():
+    listed = set(re.findall(r"\(([\w-]+\.md)\)", (SCRIPTS / "labs/README.md").read_text("utf-8")))
+    assert listed == {path.name for path in (SCRIPTS / "labs").glob("*.md")} - {"README.md"}

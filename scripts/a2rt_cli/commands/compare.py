@@ -17,6 +17,7 @@ EXAMPLES = """  scripts/a2rt compare cornell forest
   scripts/a2rt compare lumi:ship_sh lumi:bath_pt      LumiBench's runs; a2rt scenes lists them
   scripts/a2rt compare scene.glb --workload ao --size 256x256 -o out/ao
   scripts/a2rt compare w.h5 --units baseline,a2rt,cwbvh --gpu none
+  scripts/a2rt compare forest --set rt.warps=8 --set l1.capacity=131072
   scripts/a2rt compare bath --sample 0.2 --check-sample
   scripts/a2rt compare cornell --units a2rt --set precision.box_bits=6 --audit 100000
 """

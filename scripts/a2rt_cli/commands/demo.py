@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
     gpu = "table1" if "simulate" in core.subcommands() else None
     found = comparison.compare(
         [comparison.Item(name, render) for name in scenes.EMBEDDED],
-        [RunSpec(unit, gpu, time_optional=True) for unit in options.DEFAULT_UNITS],
+        [RunSpec(unit, gpu, time_optional=True, heatmap=True) for unit in options.DEFAULT_UNITS],
         out,
         command=options.command_line(),
     )

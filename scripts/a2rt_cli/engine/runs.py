@@ -20,6 +20,9 @@ SCHEMA_VERSION = 1
 # Rays compared with exact arithmetic per run unless asked otherwise; spread over the whole frame.
 DEFAULT_AUDIT = 20_000
 HEATMAP = "heatmap.npy"
+# Parameters of the machine; all others are the unit's. As a2rt_core/tools/gpu_option.cpp has them.
+MACHINE_KEYS = ("sm.", "l1.", "l2.", "dram.", "rt.")
+MACHINE_KEYS += ("core_mhz=", "shader_memory=", "watchdog_cycles=")
 
 
 @dataclass(frozen=True)
@@ -44,8 +47,14 @@ class RunSpec:
 
     def label(self) -> str:
         unit = Path(self.unit).stem if self.unit.endswith(".toml") else self.unit
-        words = unit + "".join(f" {override}" for override in self.overrides)
+        words = unit + "".join(f" {override}" for override in self.unit_overrides())
         return words + (AREA_MARK if self.comparison == SAME_AREA else "")
+
+    def unit_overrides(self) -> tuple[str, ...]:
+        return tuple(one for one in self.overrides if not one.startswith(MACHINE_KEYS))
+
+    def machine_overrides(self) -> tuple[str, ...]:
+        return tuple(one for one in self.overrides if one.startswith(MACHINE_KEYS))
 
     def timing_words(self) -> list[str]:
         """Options of `a2rt-core simulate`."""
@@ -142,7 +151,7 @@ def execute(captured: Captured, spec: RunSpec, target: Path, pictures_to: Path) 
                 captured.file,
                 spec.unit,
                 scratch / "trace.json",
-                overrides=spec.overrides,
+                overrides=spec.unit_overrides(),
                 audit=spec.audit,
                 verdicts=verdicts,
             )
@@ -172,6 +181,8 @@ def _describe(result: dict[str, Any], captured: Captured, spec: RunSpec) -> None
     result.setdefault("provenance", {})["workload_key"] = captured.key
     result.pop("heatmap", None)  # the engine's temporary name of it
     result["label"] = spec.label()
+    if isinstance(result.get("gpu"), dict):
+        result["gpu"]["changes"] = list(spec.machine_overrides())
     result["functional"] = spec.functional
 
 
@@ -229,7 +240,7 @@ def _draw(
         spec.unit,
         target,
         first=first,
-        overrides=spec.overrides,
+        overrides=spec.unit_overrides(),
         max_passes=spec.max_passes,
     )
     measured = pictures.compare(driver, target)

@@ -250,6 +250,9 @@ def _workload_section(
     detail = ", ".join(f"{formats.count(n)} {what}" for n, what in numbers if n)
     if workload.get("workload"):
         detail += f"; shaders: {workload['workload']}"
+    gpu = group[0].get("gpu")
+    if gpu:
+        detail += f"; machine: {', '.join([gpu['name'], *gpu.get('changes', [])])}"
     section = WorkloadSection(
         name,
         detail,
