@@ -10,6 +10,7 @@
 #include "a2rt/workload/effects.h"
 #include "a2rt/workload/file.h"
 #include "command.h"
+#include "parts_json.h"
 
 namespace a2rt::tools {
 namespace {
@@ -128,6 +129,26 @@ Json instructions(const Workload& w) {
   return all;
 }
 
+// Stages of the program's pipelines, with how often each ran: 0 for a stage built in vain.
+Json stages(const Workload& w) {
+  std::vector<std::uint64_t> ran(w.shaders.size(), 0);
+  for (const Segment& s : w.segments) {
+    ++ran[s.shader];
+  }
+  Json all = Json::array();
+  for (std::size_t i = 0; i < w.shaders.size(); ++i) {
+    all.push_back({{"stage", stage_name(w.shaders[i].stage)},
+                   {"entry", w.shaders[i].entry},
+                   {"segments", ran[i]}});
+  }
+  return all;
+}
+
+Json parts(const Workload& w) {
+  const Parts called_for = parts_called_for(w);
+  return parts_json(called_for, called_for);
+}
+
 Json effects(const Workload& w) {
   Json all = Json::array();
   for (const EffectUse& use : derive_effects(w).uses) {
@@ -149,7 +170,9 @@ Json describe(const Workload& w, const std::string& file) {
           {"rays", rays(w)},
           {"dispatches", dispatches(w)},
           {"instructions", instructions(w)},
-          {"effects", effects(w)}};
+          {"stages", stages(w)},
+          {"effects", effects(w)},
+          {"parts", parts(w)}};
 }
 
 void print_numbers(const char* title, const Json& values) {
@@ -194,6 +217,23 @@ void print_effects(const Json& all) {
   }
 }
 
+void print_stages(const Json& all) {
+  std::printf("stages of the pipelines\n  %-13s %10s\n", "stage", "segments");
+  for (const Json& s : all) {
+    std::printf("  %-13s %10llu\n", s["stage"].get<std::string>().c_str(),
+                s["segments"].get<unsigned long long>());
+  }
+}
+
+void print_parts(const Json& all) {
+  std::printf("parts of the machine\n");
+  for (const Json& p : all) {
+    std::printf("  %-25s %-9s %s\n", p["part"].get<std::string>().c_str(),
+                p["instantiated"].get<bool>() ? "used" : "left out",
+                p["why"].get<std::string>().c_str());
+  }
+}
+
 struct Arguments {
   std::string file;
   bool json = false;
@@ -216,7 +256,9 @@ int run(const Arguments& arguments) {
                 d["rays"].get<unsigned long long>());
   }
   print_instructions(all["instructions"]);
+  print_stages(all["stages"]);
   print_effects(all["effects"]);
+  print_parts(all["parts"]);
   return 0;
 }
 

@@ -51,12 +51,25 @@ void transmits(Calls& calls, const std::string& who, const Material& m) {
   if (m.roughness > 0) {
     calls.add(gpu::kEffectRough, who);
   }
-  if (m.attenuation_distance > 0) {
+  if (m.attenuation_distance > 0 && !m.thin) {
     calls.add(gpu::kEffectVolume, who);
   }
 }
 
-void principled_calls(Calls& calls, const std::string& who, const Material& m) {
+// Greatest value of a channel of a texture; 1 without one.
+float most(const Scene& scene, std::uint32_t texture, std::size_t channel) {
+  if (texture == scene::kNoIndex) {
+    return 1;
+  }
+  const auto& rgba = scene.textures[texture].rgba;
+  std::uint8_t value = 0;
+  for (std::size_t i = channel; i < rgba.size(); i += 4) {
+    value = std::max(value, rgba[i]);
+  }
+  return static_cast<float>(value) / 255.0F;
+}
+
+void principled_calls(Calls& calls, const Scene& scene, const std::string& who, const Material& m) {
   const bool textured = m.metallic_roughness_texture != scene::kNoIndex;
   if (m.metallic > 0 || m.roughness < 1 || textured) {
     reflects(calls, who, m.roughness);
@@ -65,10 +78,10 @@ void principled_calls(Calls& calls, const std::string& who, const Material& m) {
     }
   }
   const bool all_metal = m.metallic >= 1 && !textured;
-  if (m.transmission > 0 && !all_metal) {
+  if (m.transmission * most(scene, m.transmission_texture, 0) > 0 && !all_metal) {
     transmits(calls, who, m);
   }
-  if (!all_metal && m.transmission < 1) {
+  if (!all_metal && (m.transmission < 1 || m.transmission_texture != scene::kNoIndex)) {
     calls.add(gpu::kEffectDiffuse, who);
   }
 }
@@ -88,18 +101,24 @@ void material_calls(Calls& calls, const Scene& scene, const Material& m) {
     case MaterialKind::kEmissive:
       break;
     case MaterialKind::kPrincipled:
-      principled_calls(calls, who, m);
+      principled_calls(calls, scene, who, m);
       break;
   }
-  if (m.clearcoat > 0) {
+  if (m.clearcoat * most(scene, m.clearcoat_texture, 0) > 0) {
     calls.add(gpu::kEffectClearcoat, who);
   }
   if (m.emission != glm::vec3(0)) {
     calls.add(gpu::kEffectEmission, who);
   }
-  if (m.base_texture != scene::kNoIndex || m.metallic_roughness_texture != scene::kNoIndex ||
-      m.emissive_texture != scene::kNoIndex) {
-    calls.add(gpu::kEffectTextures, who);
+  for (const std::uint32_t t :
+       {m.base_texture, m.metallic_roughness_texture, m.emissive_texture, m.transmission_texture,
+        m.clearcoat_texture, m.clearcoat_roughness_texture}) {
+    if (t != scene::kNoIndex) {
+      calls.add(gpu::kEffectTextures, who);
+    }
+  }
+  if (m.normal_texture != scene::kNoIndex) {
+    calls.add(gpu::kEffectNormalMaps, who);
   }
   if (has_holes(scene, m)) {
     calls.add(gpu::kEffectAlpha, who);
@@ -128,6 +147,10 @@ void geometry_calls(Calls& calls, const Scene& scene) {
     for (const scene::Primitive& p : mesh.primitives) {
       if (uses[i] > 0 && !p.normals.empty()) {
         calls.add(gpu::kEffectNormals, "mesh " + mesh.name);
+      }
+      const Material& m = scene.materials[p.material];
+      if (uses[i] > 0 && !p.indices.empty() && culls(m)) {
+        calls.add(gpu::kEffectCulling, "material " + m.name);
       }
     }
   }
@@ -191,6 +214,11 @@ bool has_holes(const Scene& scene, const Material& material) {
   return material.alpha_mode == scene::AlphaMode::kMask ? least < material.alpha_cutoff : least < 1;
 }
 
+bool culls(const Material& m) {
+  const bool body = m.kind == MaterialKind::kGlass || m.transmission > 0;
+  return !m.double_sided && !body;
+}
+
 bool samples_emitters(const Scene& scene, const workloads::WorkloadConfig& workload) {
   if (!workload.light_sampling || (scene.lumibench && workload.shadow_rays > 0)) {
     return false;
@@ -233,6 +261,9 @@ std::vector<Call> analyse(const Scene& scene, const workloads::WorkloadConfig& w
 
 Choice choose(const std::vector<Call>& calls, const std::string& selection) {
   Choice choice;
+  for (const Call& call : calls) {
+    choice.called_for |= call.needed() ? call.effect.bit : 0;
+  }
   if (selection == "all") {
     for (const Call& call : calls) {
       choice.built |= call.supported ? call.effect.bit : 0;

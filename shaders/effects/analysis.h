@@ -24,6 +24,9 @@ std::vector<Call> analyse(const scene::Scene& scene, const workloads::WorkloadCo
 // True if some of its triangles' coverage is below what the alpha mode lets through.
 bool has_holes(const scene::Scene& scene, const scene::Material& material);
 
+// True if rays pass the backs of its triangles: single-sided, and not the wall of a body of glass.
+bool culls(const scene::Material& material);
+
 // True if shadow rays go to points on emitting triangles. LumiBench's shadow workload aims at a sun
 // instead, so its scenes do not.
 bool samples_emitters(const scene::Scene& scene, const workloads::WorkloadConfig& workload);
@@ -31,8 +34,11 @@ bool samples_emitters(const scene::Scene& scene, const workloads::WorkloadConfig
 // What is compiled and traced.
 struct Choice {
   std::uint32_t built = 0;           // effect bits
+  std::uint32_t called_for = 0;      // by the scene, whatever is built
   std::vector<std::string> lacking;  // needed but left out by the user's list
   bool has(std::uint32_t bit) const { return (built & bit) != 0; }
+  // Built and called for: what may change geometry, flags or rays.
+  bool uses(std::uint32_t bit) const { return (built & called_for & bit) != 0; }
 };
 
 // `selection` is "auto" (what is needed), "all" (everything), or a comma-separated list that

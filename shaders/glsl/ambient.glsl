@@ -1,6 +1,6 @@
 // Local shading of a diffuse point without further bounces: direct light, and the sky (or a faint
 // constant where there is none) in place of what bounces would bring.
-vec3 local_light(vec3 position, vec3 normal, uint key) {
+vec3 local_light(vec3 position, vec3 normal, Key key) {
   vec3 zenith = frame.sky_top * 0.5 * (normal.y + 1.0) + frame.sky_bottom * 0.5 * (1.0 - normal.y);
   vec3 ambient = zenith == vec3(0.0) ? vec3(0.12) : zenith;
   float open_sky = 1.0;

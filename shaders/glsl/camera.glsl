@@ -1,10 +1,6 @@
 // Primary rays, and the sum of a pixel's samples.
 
-uint sample_key(uvec2 pixel, uint sample_index) {
-  return hash_combine(hash_combine(hash_combine(hash(frame.seed), pixel.x), pixel.y), sample_index);
-}
-
-void primary_ray(uvec2 pixel, uvec2 size, uint key, out vec3 origin, out vec3 direction) {
+void primary_ray(uvec2 pixel, uvec2 size, Key key, out vec3 origin, out vec3 direction) {
   vec2 at = (vec2(pixel) + random2(key, kDimPixel)) / vec2(size) * 2.0 - 1.0;
   vec3 target = frame.forward + at.x * frame.right - at.y * frame.up;
   if (frame.orthographic != 0.0) {

@@ -33,8 +33,7 @@ layout(set = 0, binding = kBindTextures) uniform sampler2D textures[];
 
 const float kPi = 3.14159265358979;
 
-// One generator per (launch, sample, bounce), one dimension per use: what an effect draws never
-// moves the numbers of another.
+// One dimension per use: what an effect draws never moves the numbers of another.
 const uint kDimPixel = 0;
 const uint kDimLens = 2;
 const uint kDimLobe = 4;
@@ -54,11 +53,17 @@ uint hash(uint x) {
 uint hash_combine(uint seed, uint value) {
   return hash(seed ^ (value * 0x9e3779b9u + 0x7f4a7c15u + (seed << 6) + (seed >> 2)));
 }
-float random(uint key, uint dimension) {
-  return float(hash_combine(key, dimension) >> 8) * (1.0 / 16777216.0);
-}
-vec2 random2(uint key, uint dimension) {
-  return vec2(random(key, dimension), random(key, dimension + 1u));
+#include "sampler.glsl"
+
+// Flags of rays whose hit is seen. Shadow rays are blocked from either side.
+uint seeing_flags() {
+  uint flags = gl_RayFlagsNoneEXT;
+  if (frame.cull != 0u) {
+    if (built(kEffectCulling)) {
+      flags = gl_RayFlagsCullBackFacingTrianglesEXT;
+    }
+  }
+  return flags;
 }
 
 void count_ray(uint kind) {

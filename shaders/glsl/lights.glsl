@@ -73,7 +73,7 @@ vec3 point_on(Emitter e, vec2 u) {
 vec3 emitter_point(float choice, vec2 u) { return point_on(emitters[pick_emitter(choice)], u); }
 
 // Irradiance over pi from one point on one emitting triangle, chosen by power.
-vec3 light_from_emitters(vec3 p, vec3 n, uint key) {
+vec3 light_from_emitters(vec3 p, vec3 n, Key key) {
   Emitter e = emitters[pick_emitter(random(key, kDimLight))];
   vec3 target = point_on(e, random2(key, kDimLight + 1u));
   vec3 towards = target - p;
@@ -94,7 +94,7 @@ vec3 light_from_emitters(vec3 p, vec3 n, uint key) {
   return e.emission * (cosine * cosine_light / (d2 * e.probability * kPi));
 }
 
-vec3 direct_light(vec3 p, vec3 n, uint key) {
+vec3 direct_light(vec3 p, vec3 n, Key key) {
   vec3 sum = vec3(0.0);
   for (uint i = 0u; i < frame.light_count; ++i) {
     Light light = lights[i];

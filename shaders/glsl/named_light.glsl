@@ -2,7 +2,7 @@
 // blocked. The light is the scene's first one, else a sun from a fixed direction.
 
 // Number of blocked rays of `rays`; rays that leave below the surface count as blocked, untraced.
-uint blocked_towards_light(PrimaryHit hit, uint key, uint rays) {
+uint blocked_towards_light(PrimaryHit hit, Key key, uint rays) {
   uint count = 0u;
   for (uint i = 0u; i < rays; ++i) {
     vec2 u = random2(key, kDimLight + 4u + 2u * i);

@@ -1,5 +1,5 @@
 // Ambient occlusion: short rays into the hemisphere around the normal.
-uint blocked_around(PrimaryHit hit, uint key, uint rays) {
+uint blocked_around(PrimaryHit hit, Key key, uint rays) {
   uint count = 0u;
   for (uint i = 0u; i < rays; ++i) {
     if (built(kEffectAmbientOcclusion)) {

@@ -12,7 +12,7 @@ struct PathPayload {
   vec3 direction;
   uint lobe;
   vec3 attenuation;
-  uint key;  // in: the random key of this bounce
+  Key key;  // in: the random numbers of this bounce
   vec3 emission;
   uint material;
   vec3 normal;  // shading normal on the ray's side

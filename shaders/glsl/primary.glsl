@@ -1,10 +1,10 @@
 // The first hit of a pixel's sample, for workloads that shade it from ray generation.
-vec3 trace_primary(uvec2 pixel, uint key) {
+vec3 trace_primary(uvec2 pixel, Key key) {
   vec3 origin, direction;
   primary_ray(pixel, gl_LaunchSizeEXT.xy, key, origin, direction);
   payload.key = key;
   count_ray(kRayPrimary);
-  traceRayEXT(tlas, gl_RayFlagsNoneEXT, 0xff, 0, 0, 0, origin, frame.t_min, direction, frame.t_max,
+  traceRayEXT(tlas, seeing_flags(), 0xff, 0, 0, 0, origin, frame.t_min, direction, frame.t_max,
               0);
   return direction;
 }

@@ -3,7 +3,7 @@
 struct Surface {
   vec3 position;
   vec3 geometric_normal;  // unit, out of the front
-  vec3 normal;            // shading, unit, same side as the geometric one
+  vec3 normal;            // shading, unit
   vec2 uv;
   uint material;
   float t;
@@ -88,7 +88,14 @@ void go_on(Surface s, vec3 direction, vec3 attenuation, uint lobe, inout PathPay
 }
 
 void scatter_diffuse(Surface s, vec3 n, vec3 base, inout PathPayload p) {
-  go_on(s, cosine_direction(n, random2(p.key, kDimScatter)), base, kLobeDiffuse, p);
+  vec3 direction = cosine_direction(n, random2(p.key, kDimScatter));
+  // A bent shading normal aims some directions below the true surface: they are folded up, or this
+  // point would look for its lights from inside.
+  float inside = dot(direction, s.geometric_normal) * dot(n, s.geometric_normal);
+  if (inside < 0.0) {
+    direction = reflect(direction, s.geometric_normal);
+  }
+  go_on(s, direction, base, kLobeDiffuse, p);
 }
 
 // LumiBench's metal: mirror direction plus a point in a sphere of radius fuzz.
@@ -111,6 +118,13 @@ void scatter_metal(Surface s, vec3 n, vec3 d, vec3 base, float fuzz, inout PathP
   }
 }
 
+// n_inside / n_outside as the ray sees it. Light enters a thin sheet from outside on either side.
+float relative_ior(Material m, bool front) { return front || m.thin != 0u ? m.ior : 1.0 / m.ior; }
+// The way of light that enters at a normal h; straight on through a thin sheet.
+vec3 transmitted(Material m, vec3 d, vec3 h, float eta) {
+  return m.thin != 0u ? d : normalize(refract(d, h, 1.0 / eta));
+}
+
 // A smooth or rough dielectric: reflects or refracts, by the flip of a Fresnel-weighted coin.
 void scatter_glass(Surface s, vec3 n, vec3 d, vec3 base, Material m, bool front,
                    inout PathPayload p) {
@@ -127,20 +141,19 @@ void scatter_glass(Surface s, vec3 n, vec3 d, vec3 base, Material m, bool front,
     }
   }
   vec3 inside = vec3(1.0);
-  if (!front && m.attenuation_distance > 0.0) {
+  if (!front && m.thin == 0u && m.attenuation_distance > 0.0) {
     if (built(kEffectVolume)) {
       inside = pow(max(m.attenuation_color, vec3(1e-6)), vec3(s.t / m.attenuation_distance));
     }
   }
-  float eta = front ? m.ior : 1.0 / m.ior;
+  float eta = relative_ior(m, front);
   float cosine = min(1.0, -dot(d, h));
   float share = fresnel(cosine, eta);
   if (random(p.key, kDimLobe) < share) {
     go_on(s, reflect(d, h), inside, kLobeSpecular, p);
     return;
   }
-  vec3 through = refract(d, h, 1.0 / eta);
-  go_on(s, normalize(through), base * inside, kLobeRefraction, p);
+  go_on(s, transmitted(m, d, h, eta), base * inside, kLobeRefraction, p);
 }
 
 // glTF's metallic-roughness model: metal with probability metallic, else a dielectric coat over a
@@ -210,7 +223,11 @@ vec3 base_color(Material m, vec2 uv) {
 void scatter(Surface s, vec3 d, inout PathPayload p) {
   Material m = materials[s.material];
   bool front = dot(d, s.geometric_normal) < 0.0;
-  vec3 n = dot(d, s.normal) < 0.0 ? s.normal : -s.normal;
+  // A shading normal that looks away from the ray would scatter into the surface.
+  vec3 n = front ? s.normal : -s.normal;
+  if (dot(d, n) >= 0.0) {
+    n = front ? s.geometric_normal : -s.geometric_normal;
+  }
   vec3 base = base_color(m, s.uv);
   p.t = s.t;
   p.material = s.material;
@@ -224,6 +241,17 @@ void scatter(Surface s, vec3 d, inout PathPayload p) {
   p.origin = leave_surface(s.position, front ? s.geometric_normal : -s.geometric_normal);
   if (m.clearcoat > 0.0) {
     if (built(kEffectClearcoat)) {
+      if (m.clearcoat_texture >= 0) {
+        if (built(kEffectTextures)) {
+          m.clearcoat *= textureLod(textures[nonuniformEXT(m.clearcoat_texture)], s.uv, 0.0).r;
+        }
+      }
+      if (m.clearcoat_roughness_texture >= 0) {
+        if (built(kEffectTextures)) {
+          m.clearcoat_roughness *=
+              textureLod(textures[nonuniformEXT(m.clearcoat_roughness_texture)], s.uv, 0.0).g;
+        }
+      }
       float share = m.clearcoat * schlick(clamp(-dot(d, n), 0.0, 1.0), 0.04);
       if (random(p.key, kDimCoat) < share) {
         vec3 direction;
@@ -259,6 +287,12 @@ void scatter(Surface s, vec3 d, inout PathPayload p) {
               textureLod(textures[nonuniformEXT(m.metallic_roughness_texture)], s.uv, 0.0).gb;
           roughness *= mr.x;
           metallic *= mr.y;
+        }
+      }
+      if (m.transmission_texture >= 0) {
+        if (built(kEffectTextures)) {
+          m.transmission *=
+              textureLod(textures[nonuniformEXT(m.transmission_texture)], s.uv, 0.0).r;
         }
       }
       scatter_principled(s, n, d, base, m, metallic, roughness, front, p);

@@ -53,6 +53,8 @@ A2RT_CONST uint kEffectTextures = 1u << 12;
 A2RT_CONST uint kEffectNormals = 1u << 13;
 A2RT_CONST uint kEffectClearcoat = 1u << 14;
 A2RT_CONST uint kEffectVolume = 1u << 15;
+A2RT_CONST uint kEffectNormalMaps = 1u << 16;
+A2RT_CONST uint kEffectCulling = 1u << 17;
 
 // Specialization constants.
 A2RT_CONST uint kSpecEffects = 0;
@@ -83,6 +85,7 @@ struct Geometry {
 };
 A2RT_CONST uint kGeometrySmooth = 1u;  // vertices carry shading normals
 A2RT_CONST uint kGeometryAlpha = 2u;   // the any-hit shader has to look at it
+A2RT_CONST uint kGeometryNormalMap = 4u;
 
 // Material kinds. The first four follow LumiBench's shaders; kPrincipled is glTF's own model.
 A2RT_CONST uint kMaterialDiffuse = 0;
@@ -114,6 +117,12 @@ struct Material {
   int metallic_roughness_texture;
   int emissive_texture;
   uint single_sided;  // emits from its front only
+  int normal_texture;
+  float normal_scale;
+  int transmission_texture;
+  int clearcoat_texture;
+  int clearcoat_roughness_texture;
+  uint thin;  // 1: transmits without bending
 };
 
 // A procedural sphere (centre, half_extent.x = radius) or axis-aligned box (centre, half_extent).
@@ -179,10 +188,12 @@ struct Frame {
   uint use_offset;      // 1: secondary origins leave the surface by a few ulps before t_min counts
   float exposure;
   float clamp_indirect;  // most a sample may add after its first diffuse hit; 0: no limit
+  uint sample_bits;      // samples of a pixel are numbered below 2^sample_bits
+  uint cull;             // 1: rays of light that is seen pass the backs of single-sided triangles
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(Vertex) == 32 && sizeof(Geometry) == 16 && sizeof(Material) == 96);
+static_assert(sizeof(Vertex) == 32 && sizeof(Geometry) == 16 && sizeof(Material) == 120);
 static_assert(sizeof(Shape) == 28 && sizeof(Light) == 56 && sizeof(Emitter) == 60);
 }  // namespace a2rt::gpu
 #endif

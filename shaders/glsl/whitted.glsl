@@ -20,9 +20,9 @@ vec3 follow(PathPayload p, uint depth, uint kind) {
     return vec3(0.0);
   }
   child.depth = depth + 1u;
-  child.key = hash_combine(p.key, kind);
+  child.key = branch(p.key, kind);
   count_ray(kind);
-  traceRayEXT(tlas, gl_RayFlagsNoneEXT, 0xff, 0, 0, 0, p.origin, frame.t_min, p.direction,
+  traceRayEXT(tlas, seeing_flags(), 0xff, 0, 0, 0, p.origin, frame.t_min, p.direction,
               frame.t_max, 2);
   return child.color;
 }
@@ -37,13 +37,13 @@ void shade_recursively(Surface s, vec3 d) {
     // Both branches of the dielectric, weighted by Fresnel, instead of one by chance.
     Material m = materials[s.material];
     bool front = dot(d, s.geometric_normal) < 0.0;
-    float eta = front ? m.ior : 1.0 / m.ior;
+    float eta = relative_ior(m, front);
     float share = fresnel(min(1.0, -dot(d, p.normal)), eta);
     vec3 weight = p.attenuation;
     go_on(s, reflect(d, p.normal), weight, kLobeSpecular, p);
     color += share * weight * follow(p, depth, kRayReflection);
     if (share < 1.0) {
-      go_on(s, normalize(refract(d, p.normal, 1.0 / eta)), weight, kLobeRefraction, p);
+      go_on(s, transmitted(m, d, p.normal, eta), weight, kLobeRefraction, p);
       color += (1.0 - share) * weight * follow(p, depth, kRayRefraction);
     }
   } else if (p.lobe == kLobeSpecular) {

@@ -2,5 +2,5 @@
 struct WhittedPayload {
   vec3 color;
   uint depth;  // rays above this one
-  uint key;
+  Key key;
 };

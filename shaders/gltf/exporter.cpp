@@ -138,6 +138,12 @@ class Exporter {
     return texture == kNoIndex ? -1 : static_cast<int>(texture);
   }
 
+  static void add_slot(Value::Object& values, const std::string& key, std::uint32_t texture) {
+    if (texture != kNoIndex) {
+      values[key] = Value(Value::Object{{"index", Value(static_cast<int>(texture))}});
+    }
+  }
+
   void extend(tinygltf::Material& m, const std::string& name, Value::Object values) {
     m.extensions[name] = Value(std::move(values));
     used_.insert(name);
@@ -154,6 +160,8 @@ class Exporter {
     pbr.baseColorTexture.index = slot(from.base_texture);
     pbr.metallicRoughnessTexture.index = slot(from.metallic_roughness_texture);
     m.emissiveTexture.index = slot(from.emissive_texture);
+    m.normalTexture.index = slot(from.normal_texture);
+    m.normalTexture.scale = from.normal_scale;
     m.alphaMode = from.alpha_mode == scene::AlphaMode::kMask    ? "MASK"
                   : from.alpha_mode == scene::AlphaMode::kBlend ? "BLEND"
                                                                 : "OPAQUE";
@@ -168,21 +176,28 @@ class Exporter {
       extend(m, "KHR_materials_emissive_strength", {{"emissiveStrength", Value(double{strength})}});
     }
     if (from.transmission > 0) {
-      extend(m, "KHR_materials_transmission",
-             {{"transmissionFactor", Value(double{from.transmission})}});
+      Value::Object values{{"transmissionFactor", Value(double{from.transmission})}};
+      add_slot(values, "transmissionTexture", from.transmission_texture);
+      extend(m, "KHR_materials_transmission", std::move(values));
     }
     if (from.ior != 1.5F) {
       extend(m, "KHR_materials_ior", {{"ior", Value(double{from.ior})}});
     }
-    if (from.attenuation_distance > 0) {
-      extend(m, "KHR_materials_volume",
-             {{"attenuationDistance", Value(double{from.attenuation_distance})},
-              {"attenuationColor", array(from.attenuation_color)}});
+    if (from.attenuation_distance > 0 || (from.transmission > 0 && !from.thin)) {
+      // Any thickness above 0 says that the surface bounds a body.
+      Value::Object values{{"thicknessFactor", Value(from.thin ? 0.0 : 1.0)}};
+      if (from.attenuation_distance > 0) {
+        values["attenuationDistance"] = Value(double{from.attenuation_distance});
+        values["attenuationColor"] = array(from.attenuation_color);
+      }
+      extend(m, "KHR_materials_volume", std::move(values));
     }
     if (from.clearcoat > 0) {
-      extend(m, "KHR_materials_clearcoat",
-             {{"clearcoatFactor", Value(double{from.clearcoat})},
-              {"clearcoatRoughnessFactor", Value(double{from.clearcoat_roughness})}});
+      Value::Object values{{"clearcoatFactor", Value(double{from.clearcoat})},
+                           {"clearcoatRoughnessFactor", Value(double{from.clearcoat_roughness})}};
+      add_slot(values, "clearcoatTexture", from.clearcoat_texture);
+      add_slot(values, "clearcoatRoughnessTexture", from.clearcoat_roughness_texture);
+      extend(m, "KHR_materials_clearcoat", std::move(values));
     }
     model_.materials.push_back(m);
   }

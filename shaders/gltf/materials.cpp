@@ -95,12 +95,17 @@ class Textures {
   std::map<std::pair<int, bool>, std::uint32_t> slots_;
 };
 
-void read_extensions(Document& document, const tinygltf::Material& from, Material& m) {
+// The texture that a member of an extension names, linear.
+std::uint32_t extension_texture(Textures& textures, const Value& of, const std::string& key) {
+  const double index = number_or(member(of, key), "index", -1);
+  return textures.slot(static_cast<int>(std::clamp(index, -1.0, 1e9)), false);
+}
+
+void read_extensions(Document& document, Textures& textures, const tinygltf::Material& from,
+                     Material& m) {
   const Value& transmission = extension(from.extensions, "KHR_materials_transmission");
   m.transmission = static_cast<float>(number_or(transmission, "transmissionFactor", 0));
-  if (member(transmission, "transmissionTexture").IsObject()) {
-    document.warn("transmission textures are ignored, their factor is used");
-  }
+  m.transmission_texture = extension_texture(textures, transmission, "transmissionTexture");
   const Value& ior = extension(from.extensions, "KHR_materials_ior");
   m.ior = static_cast<float>(number_or(ior, "ior", 1.5));
   const Value& volume = extension(from.extensions, "KHR_materials_volume");
@@ -109,12 +114,15 @@ void read_extensions(Document& document, const tinygltf::Material& from, Materia
   // An unlimited distance may be written as infinity or as a huge number: it does not absorb.
   m.attenuation_distance =
       std::isfinite(distance) && distance < 1e30 ? static_cast<float>(distance) : 0;
+  // Without thickness the surface bounds a sheet, not a body.
+  m.thin = m.transmission > 0 && !(number_or(volume, "thicknessFactor", 0) > 0);
   const Value& coat = extension(from.extensions, "KHR_materials_clearcoat");
   m.clearcoat = static_cast<float>(number_or(coat, "clearcoatFactor", 0));
   m.clearcoat_roughness = static_cast<float>(number_or(coat, "clearcoatRoughnessFactor", 0));
-  if (member(coat, "clearcoatTexture").IsObject() ||
-      member(coat, "clearcoatRoughnessTexture").IsObject()) {
-    document.warn("clearcoat textures are ignored, their factors are used");
+  m.clearcoat_texture = extension_texture(textures, coat, "clearcoatTexture");
+  m.clearcoat_roughness_texture = extension_texture(textures, coat, "clearcoatRoughnessTexture");
+  if (member(coat, "clearcoatNormalTexture").IsObject()) {
+    document.warn("clearcoat normal maps are not applied; coats follow the surface's normals");
   }
   const Value& strength = extension(from.extensions, "KHR_materials_emissive_strength");
   m.emission *= static_cast<float>(number_or(strength, "emissiveStrength", 1));
@@ -130,6 +138,7 @@ void choose_kind(const tinygltf::Material& from, Material& m) {
   } else if (kind == "glass") {
     m.kind = scene::MaterialKind::kGlass;
     m.transmission = 1;
+    m.thin = false;
   } else if (kind == "emissive") {
     m.kind = scene::MaterialKind::kEmissive;
   } else if (kind == "diffuse") {
@@ -160,13 +169,15 @@ Material read_material(Document& document, Textures& textures, const tinygltf::M
   m.alpha_mode = alpha_mode_of(from.alphaMode);
   m.alpha_cutoff = static_cast<float>(from.alphaCutoff);
   m.double_sided = from.doubleSided;
-  read_extensions(document, from, m);
+  read_extensions(document, textures, from, m);
   m.base_texture = textures.slot(pbr.baseColorTexture.index, true);
   m.metallic_roughness_texture = textures.slot(pbr.metallicRoughnessTexture.index, false);
   m.emissive_texture =
       m.emission == glm::vec3(0) ? kNoIndex : textures.slot(from.emissiveTexture.index, true);
-  if (from.normalTexture.index >= 0) {
-    document.warn("normal maps are not applied; shading normals come from the vertices");
+  m.normal_texture = textures.slot(from.normalTexture.index, false);
+  m.normal_scale = static_cast<float>(from.normalTexture.scale);
+  if (from.occlusionTexture.index >= 0) {
+    document.warn("occlusion textures are not applied; rays find what is occluded");
   }
   choose_kind(from, m);
   return m;
@@ -178,6 +189,7 @@ int uv_set_of(Document& document, const tinygltf::Material& from) {
   for (const auto& [index, coord] :
        {std::pair(pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord),
         std::pair(pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord),
+        std::pair(from.normalTexture.index, from.normalTexture.texCoord),
         std::pair(from.emissiveTexture.index, from.emissiveTexture.texCoord)}) {
     if (index >= 0 && set >= 0 && coord != set) {
       document.warn("material '" + from.name +

@@ -1,6 +1,7 @@
 #include "render/frame.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -82,6 +83,8 @@ gpu::Frame make_frame(const scene::Scene& scene, const scene::Camera& camera,
   frame.light_sampling = effects::samples_emitters(scene, workload) ? 1 : 0;
   frame.clamp_indirect = static_cast<float>(workload.clamp_indirect);
   frame.exposure = settings.exposure;
+  const std::uint64_t samples = std::uint64_t{settings.samples} * settings.frames;
+  frame.sample_bits = std::min(31U, static_cast<unsigned>(std::bit_width(samples - 1)));
   return frame;
 }
 

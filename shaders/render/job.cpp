@@ -74,6 +74,12 @@ void summary(const ReportInput& in) {
   for (const std::string& name : in.choice.lacking) {
     std::fprintf(stderr, "  the picture lacks %s\n", name.c_str());
   }
+  if (in.workload.clamp_indirect > 0) {
+    std::fprintf(stderr,
+                 "  light by way of diffuse hits is limited to %g a sample (--clamp-indirect 0: "
+                 "no limit)\n",
+                 in.workload.clamp_indirect);
+  }
   std::fprintf(stderr, "build %.2f s, pipeline %.2f s, frame %.3f s (median of %zu)\n", t.build,
                t.pipeline, t.median_frame(), t.frames.size());
 }
@@ -143,6 +149,7 @@ workloads::WorkloadConfig choose_workload(const scene::Scene& scene, const Optio
   workloads::WorkloadConfig w = workloads::load(name);
   w.max_bounces = options.max_bounces.value_or(w.max_bounces);
   w.shadow_rays = options.shadow_rays.value_or(w.shadow_rays);
+  w.clamp_indirect = options.clamp_indirect.value_or(w.clamp_indirect);
   w.ao_rays = options.ao_rays.value_or(w.ao_rays);
   if (w.recursion > 1 && w.max_bounces >= w.recursion) {
     throw UserError("workload " + name + " nests its rays: at most " +

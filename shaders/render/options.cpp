@@ -36,6 +36,9 @@ void add_how(cli::Options& app, Options& o) {
   app.add("--frames", o.frames, "frames, averaged").check(cli::in_range(1, 1 << 16));
   app.add("--seed", o.seed, "the picture depends on it and on nothing random");
   app.add("--max-bounces", o.max_bounces, "rays of a path at most").check(cli::in_range(1, 1024));
+  app.add("--clamp-indirect", o.clamp_indirect,
+          "most that a sample adds by way of a diffuse hit; 0: no limit")
+      .check(cli::in_range(0, 1e30));
   app.add("--shadow-rays", o.shadow_rays, "shadow rays per primary hit")
       .check(cli::in_range(0, 4096));
   app.add("--ao-rays", o.ao_rays, "ambient-occlusion rays per primary hit")

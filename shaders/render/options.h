@@ -15,6 +15,7 @@ struct Options {
   std::string effects = "auto";
   std::string camera;  // name, number, or eye/centre/fov; empty: the scene's first, else automatic
   std::string sky = "auto";
+  std::optional<double> clamp_indirect;
   std::optional<std::uint32_t> width, height, samples, max_bounces, shadow_rays, ao_rays;
   std::uint32_t frames = 1, seed = 1, timing = 0, samples_per_dispatch = 0;
   float exposure = 1;

@@ -37,6 +37,12 @@ gpu::Material pack_material(const scene::Material& m, bool holes) {
   g.metallic_roughness_texture = texture_slot(m.metallic_roughness_texture);
   g.emissive_texture = texture_slot(m.emissive_texture);
   g.single_sided = m.double_sided ? 0 : 1;
+  g.normal_texture = texture_slot(m.normal_texture);
+  g.normal_scale = m.normal_scale;
+  g.transmission_texture = texture_slot(m.transmission_texture);
+  g.clearcoat_texture = texture_slot(m.clearcoat_texture);
+  g.clearcoat_roughness_texture = texture_slot(m.clearcoat_roughness_texture);
+  g.thin = m.thin ? 1 : 0;
   return g;
 }
 
@@ -73,26 +79,44 @@ class Packer {
  private:
   void place_mesh(const scene::Instance& instance, std::uint32_t uses) {
     const scene::Mesh& mesh = scene_.meshes[instance.mesh];
+    // Culling is a property of instances, so a mesh with both kinds of triangles becomes two.
+    for (const bool culled : {false, true}) {
+      place_side(instance, mesh, uses, culled);
+    }
+    add_emitters(mesh, instance.transform);
+  }
+
+  bool on_side(const scene::Primitive& p, bool culled) const {
+    const bool culls =
+        choice_.uses(gpu::kEffectCulling) && effects::culls(scene_.materials[p.material]);
+    return !p.indices.empty() && culls == culled;
+  }
+
+  void place_side(const scene::Instance& instance, const scene::Mesh& mesh, std::uint32_t uses,
+                  bool culled) {
+    const bool any = std::any_of(mesh.primitives.begin(), mesh.primitives.end(),
+                                 [&](const scene::Primitive& p) { return on_side(p, culled); });
+    if (!any) {
+      return;
+    }
     const bool bake = uses == 1 || !choice_.has(gpu::kEffectInstancing);
     std::uint32_t blas = 0;
     if (bake) {
-      blas = add_mesh(mesh, instance.transform);
+      blas = add_mesh(mesh, instance.transform, culled);
     } else {
-      const auto known = shared_.find(instance.mesh);
-      blas = known != shared_.end() ? known->second : add_mesh(mesh, glm::dmat4(1));
-      shared_.emplace(instance.mesh, blas);
+      const std::pair key(instance.mesh, culled);
+      const auto known = shared_.find(key);
+      blas = known != shared_.end() ? known->second : add_mesh(mesh, glm::dmat4(1), culled);
+      shared_.emplace(key, blas);
     }
-    add_emitters(mesh, instance.transform);
-    if (out_.blas[blas].geometry_count > 0) {
-      out_.instances.push_back({blas, bake ? glm::mat4(1) : glm::mat4(instance.transform)});
-    }
+    out_.instances.push_back({blas, bake ? glm::mat4(1) : glm::mat4(instance.transform), culled});
   }
 
-  std::uint32_t add_mesh(const scene::Mesh& mesh, const glm::dmat4& transform) {
+  std::uint32_t add_mesh(const scene::Mesh& mesh, const glm::dmat4& transform, bool culled) {
     PackedBlas blas;
     blas.first_geometry = static_cast<std::uint32_t>(out_.geometries.size());
     for (const scene::Primitive& p : mesh.primitives) {
-      if (!p.indices.empty()) {
+      if (on_side(p, culled)) {
         add_primitive(p, transform);
         ++blas.geometry_count;
       }
@@ -113,7 +137,9 @@ class Packer {
     g.first_vertex = static_cast<std::uint32_t>(out_.vertices.size());
     g.material = p.material;
     const bool holes = out_.materials[p.material].alpha_mode != gpu::kAlphaOpaque;
-    g.flags = (smooth ? gpu::kGeometrySmooth : 0U) | (holes ? gpu::kGeometryAlpha : 0U);
+    const bool mapped = scene_.materials[p.material].normal_texture != kNoIndex;
+    g.flags = (smooth ? gpu::kGeometrySmooth : 0U) | (holes ? gpu::kGeometryAlpha : 0U) |
+              (mapped ? gpu::kGeometryNormalMap : 0U);
     for (std::size_t i = 0; i < p.positions.size(); ++i) {
       gpu::Vertex v{};
       v.position = identity ? p.positions[i]
@@ -164,7 +190,7 @@ class Packer {
                   .emplace(instance.shape_set, static_cast<std::uint32_t>(out_.blas.size() - 1))
                   .first;
     }
-    out_.instances.push_back({known->second, glm::mat4(instance.transform)});
+    out_.instances.push_back({known->second, glm::mat4(instance.transform), false});
   }
 
   void add_emitters(const scene::Mesh& mesh, const glm::dmat4& transform) {
@@ -228,7 +254,8 @@ class Packer {
   const effects::Choice& choice_;
   bool opaque_by_material_;
   PackedScene out_;
-  std::map<std::uint32_t, std::uint32_t> shared_, shared_shapes_;
+  std::map<std::pair<std::uint32_t, bool>, std::uint32_t> shared_;  // by mesh and side
+  std::map<std::uint32_t, std::uint32_t> shared_shapes_;
 };
 
 }  // namespace

@@ -24,6 +24,7 @@ struct PackedRange {
 struct PackedInstance {
   std::uint32_t blas = 0;
   glm::mat4 transform{1};
+  bool culled = false;  // rays may pass the backs of its triangles
 };
 
 struct PackedScene {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <ctime>
 
 #include "a2rt/base/error.h"
 #include "render/spirv.h"
@@ -19,9 +20,13 @@ class Stopwatch {
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
+  double cpu_seconds() const {
+    return static_cast<double>(std::clock() - cpu_start_) / CLOCKS_PER_SEC;
+  }
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::clock_t cpu_start_ = std::clock();
 };
 
 VkSamplerAddressMode address_mode(scene::Wrap wrap) {
@@ -69,6 +74,7 @@ Renderer::Renderer(const vulkan::Context& context, const scene::Scene& scene,
   if (packed_.instances.empty()) {
     throw UserError("scene '" + scene.name + "': nothing is left to draw with these effects");
   }
+  frame_.cull = choice.uses(gpu::kEffectCulling) ? 1 : 0;
   frame_.light_count = static_cast<std::uint32_t>(packed_.lights.size());
   frame_.emitter_count = static_cast<std::uint32_t>(packed_.emitters.size());
   upload(scene);
@@ -78,6 +84,7 @@ Renderer::Renderer(const vulkan::Context& context, const scene::Scene& scene,
   const Stopwatch compile;
   build_pipeline(workload);
   timings_.pipeline = compile.seconds();
+  timings_.pipeline_cpu = compile.cpu_seconds();
   write_descriptors();
 }
 
@@ -106,7 +113,8 @@ void Renderer::upload(const scene::Scene& scene) {
   });
   // A table of textures has at least one entry; nobody samples it if the scene has none.
   const std::vector<scene::Texture> none(1);
-  const bool textured = choice_.has(gpu::kEffectTextures) && !scene.textures.empty();
+  const bool textured =
+      choice_.has(gpu::kEffectTextures | gpu::kEffectNormalMaps) && !scene.textures.empty();
   for (const scene::Texture& t : textured ? scene.textures : none) {
     textures_.emplace_back(context_, t.width, t.height,
                            t.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
@@ -164,7 +172,11 @@ void Renderer::build_structures() {
                                  : blas.shape_kind == scene::ShapeKind::kSphere ? 1U
                                                                                 : 2U;
     instance.instanceShaderBindingTableRecordOffset = record & 0xffffffU;
-    instance.flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR;
+    // Fronts are those of glTF, and an instance's transform does not change them.
+    instance.flags = 0;
+    if (!p.culled) {
+      instance.flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR;
+    }
     instance.accelerationStructureReference = bottom_[p.blas].address();
     instances.push_back(instance);
   }
@@ -342,6 +354,7 @@ Picture Renderer::render(std::uint32_t samples_per_dispatch, const Progress& pro
       }
     }
     timings_.frames.push_back(watch.seconds());
+    timings_.frames_cpu.push_back(watch.cpu_seconds());
   }
   return read_back();
 }

@@ -27,6 +27,9 @@ struct Timings {
   double build = 0;     // acceleration structures
   double pipeline = 0;  // shader compilation, as far as the driver does it then
   std::vector<double> frames;
+  // The same in seconds of all processors, which other programs on the machine do not lengthen.
+  double pipeline_cpu = 0;
+  std::vector<double> frames_cpu;
   double median_frame() const;
 };
 

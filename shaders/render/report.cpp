@@ -74,6 +74,7 @@ std::string stats_json(const ReportInput& in) {
                    {"title", in.workload.title},
                    {"lumibench", in.workload.lumibench},
                    {"max_bounces", in.workload.max_bounces},
+                   {"clamp_indirect", in.workload.clamp_indirect},
                    {"shadow_rays", in.workload.shadow_rays},
                    {"ao_rays", in.workload.ao_rays},
                    {"recursion", in.workload.recursion},
@@ -95,7 +96,9 @@ std::string stats_json(const ReportInput& in) {
   j["seconds"] = {{"build", t.build},
                   {"pipeline", t.pipeline},
                   {"frames", t.frames},
-                  {"median_frame", t.median_frame()}};
+                  {"median_frame", t.median_frame()},
+                  {"pipeline_cpu", t.pipeline_cpu},
+                  {"frames_cpu", t.frames_cpu}};
   if (in.settings.count_rays) {
     const auto counts = in.renderer.ray_counts();
     j["rays"] = {

@@ -37,7 +37,9 @@ void validate_primitive(const Scene& scene, const Mesh& mesh, std::size_t number
 
 void validate_material(const Scene& scene, const Material& m) {
   const std::string where = "material '" + m.name + "': ";
-  for (const std::uint32_t t : {m.base_texture, m.metallic_roughness_texture, m.emissive_texture}) {
+  for (const std::uint32_t t :
+       {m.base_texture, m.metallic_roughness_texture, m.emissive_texture, m.normal_texture,
+        m.transmission_texture, m.clearcoat_texture, m.clearcoat_roughness_texture}) {
     check(t == kNoIndex || t < scene.textures.size(), scene, where + "no such texture");
   }
   check(finite(m.base_color) && finite(m.emission) && finite(m.attenuation_color), scene,

@@ -47,10 +47,16 @@ struct Material {
   float clearcoat_roughness = 0;
   AlphaMode alpha_mode = AlphaMode::kOpaque;
   float alpha_cutoff = 0.5F;
-  bool double_sided = false;
+  bool double_sided = false;  // false: seen from its front only
+  bool thin = false;          // transmits without bending: a sheet, not a body
   std::uint32_t base_texture = kNoIndex;
   std::uint32_t metallic_roughness_texture = kNoIndex;
   std::uint32_t emissive_texture = kNoIndex;
+  std::uint32_t normal_texture = kNoIndex;
+  float normal_scale = 1;
+  std::uint32_t transmission_texture = kNoIndex;         // red channel
+  std::uint32_t clearcoat_texture = kNoIndex;            // red channel
+  std::uint32_t clearcoat_roughness_texture = kNoIndex;  // green channel
 };
 
 // Triangles of one material. normals and uvs are empty or as long as positions.

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "a2rt/base/error.h"
+#include "a2rt/workload/parts.h"
 #include "effects/analysis.h"
 #include "embedded/embedded.h"
 #include "glsl/shared.h"
@@ -12,6 +13,16 @@
 
 namespace a2rt::test {
 namespace {
+
+TEST(Effects, PartsAreThoseOfTheMachine) {
+  std::set<std::string> known = {""};
+  for (std::size_t i = 0; i < kPartCount; ++i) {
+    known.insert(part_name(static_cast<Part>(i)));
+  }
+  for (const effects::Effect& effect : effects::all()) {
+    EXPECT_TRUE(known.contains(effect.part)) << effect.name << ": " << effect.part;
+  }
+}
 
 std::set<std::string> needed(const scene::Scene& s, const std::string& workload = "pt") {
   std::set<std::string> names;
@@ -54,6 +65,34 @@ TEST(Effects, TurningOneMaterialToGlassAddsExactlyRefraction) {
   s.materials[1] = scene::glass("pane", 1.5F);
   EXPECT_EQ(added(before, needed(s)), std::set<std::string>{"refraction"});
   EXPECT_TRUE(added(needed(s), before).empty());
+}
+
+TEST(Effects, ATextureThatLetsNothingThroughCallsForNoRefraction) {
+  scene::Scene s = plain_quads();
+  s.textures.push_back({});
+  s.textures[0].rgba = {0, 255, 255, 255};
+  scene::Material& m = s.materials[1];
+  m.kind = scene::MaterialKind::kPrincipled;
+  m.transmission = 1;
+  EXPECT_TRUE(needed(s).contains("refraction"));
+  m.transmission_texture = 0;
+  EXPECT_EQ(added(needed(plain_quads()), needed(s)), std::set<std::string>{"textures"});
+}
+
+TEST(Effects, OnlySingleSidedSurfacesOfNoBodyCallForCulling) {
+  scene::Scene s = plain_quads();
+  s.materials[1].double_sided = false;
+  EXPECT_EQ(added(needed(plain_quads()), needed(s)), std::set<std::string>{"culling"});
+  s.materials[1] = scene::glass("pane", 1.5F);
+  s.materials[1].double_sided = false;
+  EXPECT_FALSE(needed(s).contains("culling")) << "the far wall of a glass body is seen from inside";
+}
+
+TEST(Effects, ANormalMapCallsForNormalMapsAlone) {
+  scene::Scene s = plain_quads();
+  s.textures.push_back({});
+  s.materials[0].normal_texture = 0;
+  EXPECT_EQ(added(needed(plain_quads()), needed(s)), std::set<std::string>{"normal-maps"});
 }
 
 TEST(Effects, RemovingTheLastMaskRemovesTheAnyHitPath) {

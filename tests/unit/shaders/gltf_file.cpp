@@ -46,18 +46,31 @@ std::string QuadFile::text() const {
   std::vector<unsigned char> bytes(positions.size() * 4 + indices.size() * 2);
   std::memcpy(bytes.data(), positions.data(), positions.size() * 4);
   std::memcpy(bytes.data() + positions.size() * 4, indices.data(), indices.size() * 2);
+  std::string names, accessors, views;
+  for (std::size_t i = 0; i < attributes.size(); ++i) {
+    const std::vector<float>& values = attributes[i].values;
+    const std::size_t at = bytes.size();
+    bytes.resize(at + values.size() * 4);
+    std::memcpy(bytes.data() + at, values.data(), values.size() * 4);
+    const std::string number = std::to_string(i + 2);
+    names += ", \"" + attributes[i].name + "\": " + number;
+    accessors += R"(, {"bufferView": )" + number +
+                 R"(, "componentType": 5126, "count": 4, "type": ")" + attributes[i].type + "\"}";
+    views += R"(, {"buffer": 0, "byteOffset": )" + std::to_string(at) + R"(, "byteLength": )" +
+             std::to_string(values.size() * 4) + "}";
+  }
   const std::string split = std::to_string(positions.size() * 4);
   const std::string data = "{\"byteLength\": " + std::to_string(bytes.size()) +
                            ", \"uri\": \"data:application/octet-stream;base64," + base64(bytes) +
                            "\"}";
   return "{" + extra + R"("asset": {"version": "2.0"}, "scene": 0, "scenes": [)" + scene +
          R"(], "nodes": )" + nodes +
-         R"(, "meshes": [{"name": "quad", "primitives": [{"attributes": {"POSITION": 0},)" +
-         R"("indices": 1, "material": 0}]}], "materials": [)" + material + R"(], "accessors": [)" +
-         vertex_accessor + ", " + index_accessor +
+         R"(, "meshes": [{"name": "quad", "primitives": [{"attributes": {"POSITION": 0)" + names +
+         R"(}, "indices": 1, "material": 0}]}], "materials": [)" + material +
+         R"(], "accessors": [)" + vertex_accessor + ", " + index_accessor + accessors +
          R"(], "bufferViews": [{"buffer": 0, "byteOffset": 0, "byteLength": )" + split +
          R"(}, {"buffer": 0, "byteOffset": )" + split + R"(, "byteLength": )" +
-         std::to_string(indices.size() * 2) + R"(}], "buffers": [)" +
+         std::to_string(indices.size() * 2) + "}" + views + R"(], "buffers": [)" +
          (buffer.empty() ? data : buffer) + "]}";
 }
 

@@ -36,6 +36,16 @@ struct QuadFile {
   std::string index_accessor =
       R"({"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"})";
   std::string buffer;  // empty: the data as a URI
+  // Further vertex attributes: accessor 2 is the first of them.
+  struct Attribute {
+    std::string name, type;  // e.g. "TEXCOORD_0", "VEC2"
+    std::vector<float> values;
+  };
+  std::vector<Attribute> attributes;
+  // Texture axes: u to the right, v down, as pictures.
+  static Attribute picture_coordinates() {
+    return {"TEXCOORD_0", "VEC2", {0, 1, 1, 1, 1, 0, 0, 0}};
+  }
   std::string text() const;
 };
 

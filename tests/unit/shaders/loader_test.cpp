@@ -15,6 +15,11 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
+// A picture of one black, opaque pixel.
+const std::string kBlackPixel =
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNgYGD4DwABBAEAgLvRWwAAAABJRU5ErkJggg"
+    "==";
+
 scene::Scene load(const QuadFile& file, const TemporaryFolder& folder) {
   return gltf::load(folder.write("quad.gltf", file.text()));
 }
@@ -75,6 +80,94 @@ TEST(Loader, ReadsThePhysicalMaterialExtensions) {
   EXPECT_EQ(m.clearcoat, 0.5F);
   EXPECT_EQ(m.clearcoat_roughness, 0.25F);
   EXPECT_TRUE(s.warnings.empty()) << s.warnings.front();
+}
+
+TEST(Loader, TransmissionBoundsABodyOnlyIfTheMaterialHasThickness) {
+  const TemporaryFolder folder;
+  QuadFile file;
+  file.extra = R"("extensionsUsed": ["KHR_materials_transmission", "KHR_materials_volume"],)";
+  for (const auto& [volume, thin] :
+       {std::pair("", true), std::pair(R"(, "KHR_materials_volume": {})", true),
+        std::pair(R"(, "KHR_materials_volume": {"thicknessFactor": 0.1})", false)}) {
+    file.material = std::string(R"({"extensions": {"KHR_materials_transmission":
+      {"transmissionFactor": 1})") +
+                    volume + "}}";
+    const scene::Scene s = load(file, folder);
+    EXPECT_EQ(s.materials[0].thin, thin) << volume;
+    gltf::save(s, folder.path() / "again.glb");
+    EXPECT_EQ(gltf::load(folder.path() / "again.glb").materials[0].thin, thin) << volume;
+  }
+}
+
+TEST(Loader, ReadsEveryTextureThatTheShadersApply) {
+  const TemporaryFolder folder;
+  QuadFile file;
+  file.attributes = {QuadFile::picture_coordinates()};
+  file.extra = R"("extensionsUsed": ["KHR_materials_transmission", "KHR_materials_clearcoat"],
+    "images": [{"uri": "data:image/png;base64,)" +
+               kBlackPixel + R"("}],
+    "textures": [{"source": 0}],)";
+  file.material = R"({"normalTexture": {"index": 0, "scale": 0.5}, "emissiveFactor": [1, 1, 1],
+    "emissiveTexture": {"index": 0}, "pbrMetallicRoughness": {"baseColorTexture": {"index": 0},
+    "metallicRoughnessTexture": {"index": 0}}, "extensions": {
+    "KHR_materials_transmission": {"transmissionFactor": 1, "transmissionTexture": {"index": 0}},
+    "KHR_materials_clearcoat": {"clearcoatFactor": 1, "clearcoatTexture": {"index": 0},
+    "clearcoatRoughnessTexture": {"index": 0}}}})";
+  const scene::Scene s = load(file, folder);
+  const scene::Material& m = s.materials[0];
+  for (const std::uint32_t texture :
+       {m.base_texture, m.metallic_roughness_texture, m.emissive_texture, m.normal_texture,
+        m.transmission_texture, m.clearcoat_texture, m.clearcoat_roughness_texture}) {
+    EXPECT_LT(texture, s.textures.size());
+  }
+  EXPECT_FALSE(s.textures[m.normal_texture].srgb);
+  EXPECT_EQ(m.normal_scale, 0.5F);
+  EXPECT_TRUE(s.warnings.empty()) << s.warnings.front();
+}
+
+TEST(Loader, ReadsAlphaModesAndSides) {
+  const TemporaryFolder folder;
+  QuadFile file;
+  EXPECT_FALSE(load(file, folder).materials[0].double_sided);
+  file.material = R"({"alphaMode": "MASK", "alphaCutoff": 0.75, "doubleSided": true})";
+  scene::Scene s = load(file, folder);
+  EXPECT_EQ(s.materials[0].alpha_mode, scene::AlphaMode::kMask);
+  EXPECT_EQ(s.materials[0].alpha_cutoff, 0.75F);
+  EXPECT_TRUE(s.materials[0].double_sided);
+  file.material = R"({"alphaMode": "BLEND", "pbrMetallicRoughness": {
+    "baseColorFactor": [1, 1, 1, 0.25]}})";
+  s = load(file, folder);
+  EXPECT_EQ(s.materials[0].alpha_mode, scene::AlphaMode::kBlend);
+  EXPECT_EQ(s.materials[0].alpha, 0.25F);
+}
+
+TEST(Loader, PlacesOneInstancePerRowOfTheInstancingExtension) {
+  const TemporaryFolder folder;
+  QuadFile file;
+  file.extra = R"("extensionsUsed": ["EXT_mesh_gpu_instancing"],
+    "extensionsRequired": ["EXT_mesh_gpu_instancing"],)";
+  // The quad's own corners serve as translations.
+  file.nodes = R"([{"mesh": 0, "scale": [3, 3, 3], "extensions": {"EXT_mesh_gpu_instancing": {
+    "attributes": {"TRANSLATION": 0}}}}])";
+  const scene::Scene s = load(file, folder);
+  ASSERT_EQ(s.instances.size(), 4U);
+  EXPECT_EQ(s.meshes.size(), 1U);
+  EXPECT_EQ(s.instances[2].transform[3][0], 3) << "instances are placed inside their node";
+  EXPECT_EQ(scene::world_bounds(s).hi.x, 6);
+}
+
+TEST(Loader, ASkinIsDrawnAtItsRestPoseAndItsNodeDoesNotCount) {
+  const TemporaryFolder folder;
+  QuadFile file;
+  file.attributes = {{"JOINTS_0", "VEC4", std::vector<float>(16, 0)},
+                     {"WEIGHTS_0", "VEC4", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}}};
+  file.extra = R"("skins": [{"joints": [1]}],)";
+  file.nodes = R"([{"mesh": 0, "skin": 0, "translation": [100, 0, 0]},
+                   {"translation": [0, 5, 0]}])";
+  file.scene = R"({"nodes": [0, 1]})";
+  const scene::Bounds bounds = scene::world_bounds(load(file, folder));
+  EXPECT_EQ(bounds.lo, glm::vec3(-1, 4, 0));
+  EXPECT_EQ(bounds.hi, glm::vec3(1, 6, 0));
 }
 
 TEST(Loader, AnOptionalUnknownExtensionIsOneWarning) {
