@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <set>
 
@@ -110,10 +111,19 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"library", 1, kPixels, RecordKind::kHit},
                     Expectation{"procedural", 1, kPixels, RecordKind::kReport},
                     Expectation{"query_compute", 1, kPixels, RecordKind::kQueryVerdict},
+                    Expectation{"pushes", 3, 3 * kPixels, RecordKind::kHit},
+                    Expectation{"query_dispatch_base", 1, kPixels / 2, RecordKind::kQueryStep,
+                                true},
                     Expectation{"query_fragment", 1, kPixels, RecordKind::kQueryStep},
+                    Expectation{"query_mesh_indirect", 1, kPixels, RecordKind::kQueryStep},
+                    Expectation{"query_multi_draw", 1, kPixels, RecordKind::kQueryStep},
+                    Expectation{"query_render_pass", 1, kPixels, RecordKind::kQueryStep},
+                    Expectation{"query_secondary", 1, kPixels, RecordKind::kQueryStep},
                     Expectation{"recursion", 1, kPixels + 1000, RecordKind::kHit},
                     Expectation{"secondary", 2, 2 * kPixels, RecordKind::kHit},
                     Expectation{"shadow", 1, kPixels + 1000, RecordKind::kMiss},
+                    Expectation{"submit2", 3, 3 * kPixels, RecordKind::kHit},
+                    Expectation{"templates", 2, 2 * kPixels, RecordKind::kHit},
                     Expectation{"two_tlas", 2, 4 * kPixels, RecordKind::kHit},
                     Expectation{"update", 2, 2 * kPixels, RecordKind::kHit}),
     [](const auto& one) { return std::string(one.param.program); });
@@ -369,6 +379,46 @@ TEST(Guards, nothing_that_looks_complete_is_left_of_a_program_that_dies) {
   EXPECT_NE(result.status, 0);
   EXPECT_FALSE(file_exists(capture + "/manifest.bin"));
   EXPECT_FALSE(file_exists(capture + "/records.bin"));
+}
+
+TEST(Guards, on_a_full_disk_the_program_goes_on_and_no_capture_is_left) {
+  NEEDS_LAVAPIPE();
+  const Folder folder;
+  const std::string capture = folder.path("capture");
+  const RunResult plain = run_program("full_disk", folder, false);
+  const RunResult result = run_program("full_disk", folder, true, {{"A2RT_CAPTURE", capture}});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_TRUE(result.picture == plain.picture);
+  EXPECT_THAT(result.output, HasSubstr("cannot write " + capture + "/records.bin.part"));
+  EXPECT_THAT(result.output, HasSubstr("free space there"));
+  EXPECT_THAT(result.output, HasSubstr("no capture in " + capture));
+  EXPECT_TRUE(std::filesystem::is_empty(capture));
+}
+
+TEST(Guards, a_second_device_at_the_same_time_is_left_out_and_said) {
+  NEEDS_LAVAPIPE();
+  const Folder folder;
+  const RunResult plain = run_program("two_devices", folder, false);
+  const RunResult result =
+      run_program("two_devices", folder, true, {{"A2RT_CAPTURE", folder.path("capture")}});
+  EXPECT_TRUE(result.picture == plain.picture);
+  EXPECT_THAT(result.output, HasSubstr("a second device at the same time"));
+  const CaptureFiles files = read_capture(folder.path("capture"));
+  EXPECT_EQ(files.dispatches.size(), 1u);
+  EXPECT_EQ(count_records(files).kinds.at(RecordKind::kRay), kPixels);
+}
+
+TEST(Guards, a_later_device_does_not_replace_the_capture_of_an_earlier_one) {
+  NEEDS_LAVAPIPE();
+  const Folder folder;
+  const RunResult plain = run_program("any_hit+hit_groups", folder, false);
+  const RunResult result =
+      run_program("any_hit+hit_groups", folder, true, {{"A2RT_CAPTURE", folder.path("capture")}});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_TRUE(result.picture == plain.picture);
+  EXPECT_THAT(result.output, HasSubstr("holds the capture of an earlier device"));
+  EXPECT_EQ(count_records(read_capture(folder.path("capture"))).kinds.count(RecordKind::kAnyHit),
+            1u);
 }
 
 TEST(Guards, a_program_that_leaves_without_destroying_its_device_is_captured) {

@@ -32,7 +32,9 @@ constexpr std::uint64_t kDiskReserve = 256 * kMiB;
 constexpr std::size_t kPage = 4096;
 // The shaders' cursor is a u32 that may pass the capacity by one record per running invocation.
 constexpr std::uint64_t kMostUnits = 0xfff00000u;
-constexpr auto kPollInterval = std::chrono::milliseconds(2);
+// Between looks at the cursor: the longer it stands still, the longer.
+constexpr auto kShortestPoll = std::chrono::milliseconds(2);
+constexpr auto kLongestPoll = std::chrono::milliseconds(16);
 
 std::uint64_t align_up(std::uint64_t value, std::uint64_t step) {
   return (value + step - 1) / step * step;
@@ -133,9 +135,13 @@ std::uint64_t RecordStream::used_bytes() const { return used_units() * capture::
 
 void RecordStream::run() {
   std::unique_lock lock(mutex_);
+  auto interval = kShortestPoll;
+  std::uint64_t seen = 0;
   while (!stop_) {
-    wake_.wait_for(lock, kPollInterval);
+    wake_.wait_for(lock, interval);
     const std::uint64_t used = used_bytes();
+    interval = used != seen ? kShortestPoll : std::min(2 * interval, kLongestPoll);
+    seen = used;
     if (takes_while_running_ && used > drained_ + kSlack + kBatch) {
       drain_until((used - kSlack) / kChunk * kChunk);
     }

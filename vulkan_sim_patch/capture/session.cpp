@@ -192,7 +192,7 @@ void Session::finish() {
     // The manifest gets its name last: where it stands, everything is there.
     std::filesystem::rename(part(kRecordsName), final_name(kRecordsName));
     std::filesystem::rename(part(kManifestName), final_name(kManifestName));
-    finished_ = true;
+    finished_ = complete_ = true;
     if (end.lost_records != 0) {
       warn(std::to_string(end.lost_records) +
            " records did not fit and are lost; raise A2RT_LIMIT or free space on the disk of " +

@@ -71,6 +71,8 @@ class Session {
   // Writes kEnd and gives the files their names. If nothing was traced or something failed, the
   // files are removed and a line says so. Idempotent.
   void finish();
+  // Whether finish() gave the files their names.
+  bool complete() const { return complete_; }
   // Closes and removes the files; `why` is logged.
   void abandon(const std::string& why);
 
@@ -88,6 +90,7 @@ class Session {
   std::optional<VerdictFile> verdicts_;
   std::uint32_t dispatches_ = 0;
   bool finished_ = false;
+  bool complete_ = false;
 };
 
 }  // namespace a2rt::layer

@@ -204,6 +204,46 @@ void CmdDrawMeshTasksEXT(VkCommandBuffer commands, std::uint32_t x, std::uint32_
   device_of(commands).table().CmdDrawMeshTasksEXT(commands, x, y, z);
 }
 
+void CmdDrawMeshTasksIndirectEXT(VkCommandBuffer commands, VkBuffer buffer, VkDeviceSize offset,
+                                 std::uint32_t count, std::uint32_t stride) {
+  note_draw(commands);
+  device_of(commands).table().CmdDrawMeshTasksIndirectEXT(commands, buffer, offset, count, stride);
+}
+
+void CmdDrawMeshTasksIndirectCountEXT(VkCommandBuffer commands, VkBuffer buffer,
+                                      VkDeviceSize offset, VkBuffer count_buffer,
+                                      VkDeviceSize count_offset, std::uint32_t most,
+                                      std::uint32_t stride) {
+  note_draw(commands);
+  device_of(commands).table().CmdDrawMeshTasksIndirectCountEXT(
+      commands, buffer, offset, count_buffer, count_offset, most, stride);
+}
+
+void CmdDrawMultiEXT(VkCommandBuffer commands, std::uint32_t count, const VkMultiDrawInfoEXT* draws,
+                     std::uint32_t instances, std::uint32_t first_instance, std::uint32_t stride) {
+  note_draw(commands);
+  device_of(commands).table().CmdDrawMultiEXT(commands, count, draws, instances, first_instance,
+                                              stride);
+}
+
+void CmdDrawMultiIndexedEXT(VkCommandBuffer commands, std::uint32_t count,
+                            const VkMultiDrawIndexedInfoEXT* draws, std::uint32_t instances,
+                            std::uint32_t first_instance, std::uint32_t stride,
+                            const std::int32_t* vertex_offset) {
+  note_draw(commands);
+  device_of(commands).table().CmdDrawMultiIndexedEXT(commands, count, draws, instances,
+                                                     first_instance, stride, vertex_offset);
+}
+
+void CmdDrawIndirectByteCountEXT(VkCommandBuffer commands, std::uint32_t instances,
+                                 std::uint32_t first_instance, VkBuffer counter,
+                                 VkDeviceSize offset, std::uint32_t counter_offset,
+                                 std::uint32_t stride) {
+  note_draw(commands);
+  device_of(commands).table().CmdDrawIndirectByteCountEXT(commands, instances, first_instance,
+                                                          counter, offset, counter_offset, stride);
+}
+
 void CmdBeginRenderPass(VkCommandBuffer commands, const VkRenderPassBeginInfo* info,
                         VkSubpassContents contents) {
   begin_pass(commands, info->renderArea);

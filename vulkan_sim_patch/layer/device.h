@@ -93,6 +93,8 @@ class Device {
 
   // Ends the capture; `exiting` if the process ends without vkDestroyDevice.
   void finish(bool exiting);
+  // Whether finish() has left a whole capture.
+  bool has_capture() const { return session_ != nullptr && session_->complete(); }
 
  private:
   struct SubmitCount {

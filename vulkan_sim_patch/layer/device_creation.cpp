@@ -196,6 +196,11 @@ VkResult CreateDevice(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
     setup.settings.capture_directory.clear();
     setup.settings.verdict_file.clear();
   }
+  if (!setup.settings.capture_directory.empty() && registry().has_captured()) {
+    warn("this device is not captured: " + setup.settings.capture_directory +
+         " holds the capture of an earlier device of this program");
+    setup.settings.capture_directory.clear();
+  }
   std::optional<FeatureSwitch> features;
   if (setup.settings.instrumenting()) {
     features.emplace(*info);
@@ -226,7 +231,13 @@ void DestroyDevice(VkDevice device, const VkAllocationCallbacks* allocator) {
     return;
   }
   DeviceEntry entry = registry().take(device);
-  entry.active.reset();
+  if (entry.active != nullptr) {
+    entry.active->finish(false);
+    if (entry.active->has_capture()) {
+      registry().remember_capture();
+    }
+    entry.active.reset();
+  }
   entry.table.DestroyDevice(device, allocator);
 }
 

@@ -4,6 +4,8 @@
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 
+#include "layer/vulkan_14.h"
+
 namespace a2rt::layer {
 
 #define A2RT_INSTANCE_FUNCTIONS(X)      \
@@ -24,6 +26,7 @@ namespace a2rt::layer {
   X(CmdBeginRenderPass2)                       \
   X(CmdBeginRendering)                         \
   X(CmdBindDescriptorSets)                     \
+  X(CmdBindDescriptorSets2KHR)                 \
   X(CmdBindPipeline)                           \
   X(CmdBuildAccelerationStructuresIndirectKHR) \
   X(CmdBuildAccelerationStructuresKHR)         \
@@ -38,14 +41,21 @@ namespace a2rt::layer {
   X(CmdDrawIndexedIndirect)                    \
   X(CmdDrawIndexedIndirectCount)               \
   X(CmdDrawIndirect)                           \
+  X(CmdDrawIndirectByteCountEXT)               \
   X(CmdDrawIndirectCount)                      \
   X(CmdDrawMeshTasksEXT)                       \
+  X(CmdDrawMeshTasksIndirectCountEXT)          \
+  X(CmdDrawMeshTasksIndirectEXT)               \
+  X(CmdDrawMultiEXT)                           \
+  X(CmdDrawMultiIndexedEXT)                    \
   X(CmdEndRenderPass)                          \
   X(CmdEndRenderPass2)                         \
   X(CmdEndRendering)                           \
   X(CmdExecuteCommands)                        \
   X(CmdPipelineBarrier)                        \
+  X(CmdPushDescriptorSet2KHR)                  \
   X(CmdPushDescriptorSetKHR)                   \
+  X(CmdPushDescriptorSetWithTemplate2KHR)      \
   X(CmdPushDescriptorSetWithTemplateKHR)       \
   X(CmdResetEvent)                             \
   X(CmdSetEvent)                               \

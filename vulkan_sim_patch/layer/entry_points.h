@@ -4,6 +4,8 @@
 
 #include <vulkan/vulkan.h>
 
+#include "layer/vulkan_14.h"
+
 // Lists X(name without "vk"). A function is exposed under its core and its extension name.
 #define A2RT_INTERCEPTED_DEVICE_FUNCTIONS(X)   \
   X(AllocateCommandBuffers)                    \
@@ -14,6 +16,7 @@
   X(CmdBeginRenderPass2)                       \
   X(CmdBeginRendering)                         \
   X(CmdBindDescriptorSets)                     \
+  X(CmdBindDescriptorSets2KHR)                 \
   X(CmdBindPipeline)                           \
   X(CmdBuildAccelerationStructuresIndirectKHR) \
   X(CmdBuildAccelerationStructuresKHR)         \
@@ -27,13 +30,20 @@
   X(CmdDrawIndexedIndirect)                    \
   X(CmdDrawIndexedIndirectCount)               \
   X(CmdDrawIndirect)                           \
+  X(CmdDrawIndirectByteCountEXT)               \
   X(CmdDrawIndirectCount)                      \
   X(CmdDrawMeshTasksEXT)                       \
+  X(CmdDrawMeshTasksIndirectCountEXT)          \
+  X(CmdDrawMeshTasksIndirectEXT)               \
+  X(CmdDrawMultiEXT)                           \
+  X(CmdDrawMultiIndexedEXT)                    \
   X(CmdEndRenderPass)                          \
   X(CmdEndRenderPass2)                         \
   X(CmdEndRendering)                           \
   X(CmdExecuteCommands)                        \
+  X(CmdPushDescriptorSet2KHR)                  \
   X(CmdPushDescriptorSetKHR)                   \
+  X(CmdPushDescriptorSetWithTemplate2KHR)      \
   X(CmdPushDescriptorSetWithTemplateKHR)       \
   X(CmdTraceRaysIndirect2KHR)                  \
   X(CmdTraceRaysIndirectKHR)                   \

@@ -1,5 +1,6 @@
 #include "layer/host_callback.h"
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 #include <string>
@@ -9,8 +10,13 @@
 namespace a2rt::layer {
 namespace {
 
-// A dispatch takes milliseconds; polling more often would take time from the driver's threads.
-constexpr auto kPollInterval = std::chrono::microseconds(30);
+using Clock = std::chrono::steady_clock;
+
+// A wait costs at most this share of itself in delay. Polling at one short interval took seconds
+// from the driver's threads while they compiled shaders.
+constexpr int kDelayShare = 32;
+constexpr std::chrono::nanoseconds kShortestPoll = std::chrono::microseconds(30);
+constexpr std::chrono::nanoseconds kLongestPoll = std::chrono::milliseconds(2);
 
 void check(VkResult result, const char* what) {
   if (result != VK_SUCCESS) {
@@ -127,15 +133,20 @@ std::uint64_t HostCallbacks::pending() const {
 
 void HostCallbacks::run() {
   std::unique_lock lock(mutex_);
+  Clock::time_point waiting_since = Clock::now();
   while (!stop_) {
     if (pending_ == 0) {
       wake_.wait(lock);
+      waiting_since = Clock::now();
       continue;
     }
     lock.unlock();
     const bool served = serve_one();
-    if (!served) {
-      std::this_thread::sleep_for(kPollInterval);
+    if (served) {
+      waiting_since = Clock::now();
+    } else {
+      std::this_thread::sleep_for(std::clamp<std::chrono::nanoseconds>(
+          (Clock::now() - waiting_since) / kDelayShare, kShortestPoll, kLongestPoll));
     }
     lock.lock();
     if (served) {

@@ -67,6 +67,16 @@ bool Registry::has_session() const {
   return false;
 }
 
+bool Registry::has_captured() const {
+  const std::shared_lock lock(mutex_);
+  return captured_;
+}
+
+void Registry::remember_capture() {
+  const std::unique_lock lock(mutex_);
+  captured_ = true;
+}
+
 Registry& registry() {
   static Registry instance;
   return instance;

@@ -40,11 +40,15 @@ class Registry {
   DeviceEntry take(VkDevice device);
   // Only one device of a process captures at a time.
   bool has_session() const;
+  // And only one leaves a capture: a later one would replace it unseen.
+  bool has_captured() const;
+  void remember_capture();
 
  private:
   mutable std::shared_mutex mutex_;
   std::unordered_map<void*, InstanceEntry> instances_;
   std::unordered_map<void*, std::unique_ptr<DeviceEntry>> devices_;
+  bool captured_ = false;
 };
 
 Registry& registry();

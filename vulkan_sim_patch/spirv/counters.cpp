@@ -39,14 +39,15 @@ void Counters::flush(CodeBuilder& code, Weights& pending) const {
   pending = {};
 }
 
-void Counters::put(CodeBuilder& code, const RecordWriter& writer, const RecordPlace& place,
-                   std::uint32_t first) const {
+std::array<Id, Counters::kHalves> Counters::take(CodeBuilder& code) const {
   const Id type = code.types().uvec_type(4);
   const Id zero = code.types().composite(type, {0, 0, 0, 0});
-  for (std::uint32_t h = 0; h < kHalves; ++h) {
-    writer.put(code, place, first + h, enabled_ ? code.load(type, halves_[h]) : zero);
+  std::array<Id, kHalves> units{};
+  for (std::size_t h = 0; h < kHalves; ++h) {
+    units[h] = enabled_ ? code.load(type, halves_[h]) : zero;
   }
   clear(code);
+  return units;
 }
 
 }  // namespace a2rt::spirv

@@ -16,12 +16,11 @@ class Counters {
   void clear(CodeBuilder& code) const;
   // Raises the counters by `pending` and clears it.
   void flush(CodeBuilder& code, Weights& pending) const;
-  // Writes the counters to units `first` and `first` + 1 of a record and clears them.
-  void put(CodeBuilder& code, const RecordWriter& writer, const RecordPlace& place,
-           std::uint32_t first) const;
+  static constexpr std::uint32_t kHalves = capture::kCounters / 4;
+  // The counters as units of a record; they are cleared.
+  std::array<Id, kHalves> take(CodeBuilder& code) const;
 
  private:
-  static constexpr std::uint32_t kHalves = capture::kCounters / 4;
   bool enabled_;
   std::array<Id, kHalves> halves_{};
 };

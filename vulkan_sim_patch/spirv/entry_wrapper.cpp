@@ -92,12 +92,10 @@ void enter(CodeBuilder& code, const Instrumentation& shared, EntryInputs& inputs
   }
   if (stage == Stage::kClosestHit && options.results) {
     const HitWords hit = HitData::read_inputs(code, inputs, true);
-    const RecordPlace place =
-        writer.open(code, writer.begin(code), RecordKind::kHit, capture::kHitUnits);
-    HitData::put(code, writer, place, hit, code.constant(0));
+    HitData::append(code, writer, writer.begin(code), RecordKind::kHit, hit, code.constant(0));
   }
   if (stage == Stage::kMiss && options.results) {
-    writer.open(code, writer.begin(code), RecordKind::kMiss, capture::kMissUnits);
+    writer.append(code, writer.begin(code), RecordKind::kMiss, {});
   }
   const bool has_candidate = stage == Stage::kAnyHit || stage == Stage::kIntersection;
   if (has_candidate && options.candidates) {

@@ -77,6 +77,15 @@ Id with_w(CodeBuilder& code, Id uvec3, Id w) {
                     w);
 }
 
+// A record of the counters alone, if they are on.
+void put_counters(CodeBuilder& code, const Instrumentation& shared, RecordKind kind) {
+  if (shared.counters.enabled()) {
+    const RecordSite site = shared.writer.begin(code);
+    const auto counted = shared.counters.take(code);
+    shared.writer.append(code, site, kind, {counted[0], counted[1]});
+  }
+}
+
 }  // namespace
 
 bool is_trace_site(const Instruction& instruction) {
@@ -84,20 +93,13 @@ bool is_trace_site(const Instruction& instruction) {
 }
 
 void put_end(CodeBuilder& code, const Instrumentation& shared) {
-  if (shared.counters.enabled()) {
-    const RecordSite site = shared.writer.begin(code);
-    const RecordPlace place = shared.writer.open(code, site, RecordKind::kEnd, capture::kEndUnits);
-    shared.counters.put(code, shared.writer, place, 1);
-  }
+  put_counters(code, shared, RecordKind::kEnd);
 }
 
 void put_any_hit(CodeBuilder& code, const Instrumentation& shared, AnyHitVerdict verdict) {
   if (shared.options.candidates) {
-    const RecordSite site = shared.writer.begin(code);
-    const RecordPlace place =
-        shared.writer.open(code, site, RecordKind::kAnyHit, capture::kAnyHitUnits);
-    HitData::put(code, shared.writer, place, shared.hits.kept(code),
-                 code.constant(static_cast<std::uint32_t>(verdict)));
+    HitData::append(code, shared.writer, shared.writer.begin(code), RecordKind::kAnyHit,
+                    shared.hits.kept(code), code.constant(static_cast<std::uint32_t>(verdict)));
   }
 }
 
@@ -229,10 +231,7 @@ void FunctionPass::segment() {
   if (shared_.counters.enabled()) {
     emit_pending();
     CodeBuilder code(types_);
-    const RecordSite site = shared_.writer.begin(code);
-    const RecordPlace place =
-        shared_.writer.open(code, site, RecordKind::kSegment, capture::kSegmentUnits);
-    shared_.counters.put(code, shared_.writer, place, 1);
+    put_counters(code, shared_, RecordKind::kSegment);
     append_code(code);
   }
 }
@@ -259,16 +258,13 @@ void FunctionPass::trace(const Instruction& original) {
   const RayArguments bent =
       shared_.options.verdicts ? apply_verdict(code, writer, site, program) : program;
   if (shared_.options.rays) {
-    const RecordPlace place = writer.open(code, site, RecordKind::kRay, capture::kRayUnits);
-    writer.put(code, place, 1,
-               with_w(code, code.as_uvec3(original.operand(at.origin), &original), tmin));
-    writer.put(code, place, 2,
-               with_w(code, code.as_uvec3(original.operand(at.direction), &original), tmax));
-    writer.put(code, place, 3,
-               code.uvec4(code.as_uint(original.operand(at.flags), &original),
-                          packed_arguments(code, original, program.mask), code.constant(number),
-                          bent.overridden));
-    shared_.counters.put(code, writer, place, 4);
+    const Id start = with_w(code, code.as_uvec3(original.operand(at.origin), &original), tmin);
+    const Id way = with_w(code, code.as_uvec3(original.operand(at.direction), &original), tmax);
+    const Id rest = code.uvec4(code.as_uint(original.operand(at.flags), &original),
+                               packed_arguments(code, original, program.mask),
+                               code.constant(number), bent.overridden);
+    const auto counted = shared_.counters.take(code);
+    writer.append(code, site, RecordKind::kRay, {start, way, rest, counted[0], counted[1]});
   }
   writer.advance_ordinal(code, site);
   append_code(code);
@@ -294,13 +290,12 @@ void FunctionPass::report(const Instruction& original) {
   hit.t = before.as_uint(original.operand(0), &original);
   hit.kind = before.as_uint(original.operand(1), &original);
   const RecordSite site = shared_.writer.begin(before);
-  const RecordPlace place =
-      shared_.writer.open(before, site, RecordKind::kReport, capture::kReportUnits);
-  HitData::put(before, shared_.writer, place, hit, before.constant(1));
+  const Id place =
+      HitData::append(before, shared_.writer, site, RecordKind::kReport, hit, before.constant(1));
   append_code(before);
   copy(original);
   CodeBuilder after(types_);
-  shared_.writer.put_word(after, place, 2, 2,
+  shared_.writer.put_word(after, site, place, 2, 2,
                           after.select(original.result(), after.constant(1), after.constant(0)));
   append_code(after);
 }

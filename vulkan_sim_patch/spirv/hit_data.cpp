@@ -40,10 +40,11 @@ HitWords HitData::kept(CodeBuilder& code) const {
           code.component(a, 3), code.component(b, 0), code.component(b, 1)};
 }
 
-void HitData::put(CodeBuilder& code, const RecordWriter& writer, const RecordPlace& place,
-                  const HitWords& hit, Id flag) {
-  writer.put(code, place, 1, code.uvec4(hit.kind, hit.t, hit.primitive, hit.instance));
-  writer.put(code, place, 2, code.uvec4(hit.geometry, hit.custom, flag, code.constant(0)));
+Id HitData::append(CodeBuilder& code, const RecordWriter& writer, const RecordSite& site,
+                   capture::RecordKind kind, const HitWords& hit, Id flag) {
+  return writer.append(code, site, kind,
+                       {code.uvec4(hit.kind, hit.t, hit.primitive, hit.instance),
+                        code.uvec4(hit.geometry, hit.custom, flag, code.constant(0))});
 }
 
 }  // namespace a2rt::spirv

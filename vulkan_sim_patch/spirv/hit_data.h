@@ -24,9 +24,9 @@ class HitData {
   void keep(CodeBuilder& code, const HitWords& hit) const;
   HitWords kept(CodeBuilder& code) const;
 
-  // Units 1 and 2 of kHit, kAnyHit and kReport records; `flag` is word 2 of unit 2.
-  static void put(CodeBuilder& code, const RecordWriter& writer, const RecordPlace& place,
-                  const HitWords& hit, Id flag);
+  // Appends a kHit, kAnyHit or kReport record; `flag` is word 2 of its unit 2. Gives its place.
+  static Id append(CodeBuilder& code, const RecordWriter& writer, const RecordSite& site,
+                   capture::RecordKind kind, const HitWords& hit, Id flag);
 
  private:
   std::vector<Id> variables_;

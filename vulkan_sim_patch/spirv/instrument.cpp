@@ -49,7 +49,8 @@ class Rewriter {
       : module_(module),
         calls_(calls),
         types_(module),
-        writer_(types_, options.header_address),
+        appends_(types_),
+        writer_(types_, appends_, options.header_address),
         counters_(types_, options.counters),
         hits_(types_),
         weights_(module),
@@ -80,6 +81,9 @@ class Rewriter {
       }
     }
     for (std::vector<Instruction>& function : queries_.take_functions()) {
+      editor_.add_function(std::move(function));
+    }
+    for (std::vector<Instruction>& function : appends_.take()) {
       editor_.add_function(std::move(function));
     }
     return editor_.words();
@@ -140,6 +144,7 @@ class Rewriter {
   const CallGraph& calls_;
   std::set<std::size_t> recording_;  // functions with record sites
   TypePool types_;
+  AppendFunctions appends_;
   RecordWriter writer_;
   Counters counters_;
   HitData hits_;

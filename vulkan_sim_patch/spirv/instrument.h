@@ -7,7 +7,8 @@
 // How it is done: every instrumented entry point becomes a wrapper that sets a Private variable
 // with the stage, the shader index and the launch id, writes the records of entry and exit, and
 // calls the program's own function. Functions that several entry points share therefore record the
-// right shader. Inserted code has no control flow of its own.
+// right shader. Code inserted into the program's functions is straight-line; what must branch or
+// loop stands in functions of its own.
 #pragma once
 
 #include <array>

@@ -143,12 +143,10 @@ void QueryRecords::write_step(CodeBuilder& code, Id query, Id more, Id entry_lab
   const Id first = code.emit(Op::OpPhi, uvec4, {hit, hit_label, none, entry_label});
   const Id second = code.emit(Op::OpPhi, uvec4, {place_of_hit, hit_label, none, entry_label});
   const RecordSite site = writer_.begin(code);
-  const RecordPlace place =
-      writer_.open(code, site, RecordKind::kQueryStep, capture::kQueryStepUnits);
-  writer_.put(code, place, 1, first);
-  writer_.put(code, place, 2,
-              code.uvec4(code.component(second, 0), code.component(second, 1),
-                         code.select(more, code.constant(1), zero), code.component(second, 3)));
+  writer_.append(
+      code, site, RecordKind::kQueryStep,
+      {first, code.uvec4(code.component(second, 0), code.component(second, 1),
+                         code.select(more, code.constant(1), zero), code.component(second, 3))});
 }
 
 void QueryRecords::put_verdict(CodeBuilder& code, const Instruction& instruction) const {
@@ -172,10 +170,7 @@ void QueryRecords::put_verdict(CodeBuilder& code, const Instruction& instruction
                    candidate.word(Op::OpRayQueryGetIntersectionInstanceCustomIndexKHR), flag, zero);
   }
   const RecordSite site = writer_.begin(code);
-  const RecordPlace place =
-      writer_.open(code, site, RecordKind::kQueryVerdict, capture::kQueryVerdictUnits);
-  writer_.put(code, place, 1, first);
-  writer_.put(code, place, 2, second);
+  writer_.append(code, site, RecordKind::kQueryVerdict, {first, second});
 }
 
 std::vector<std::vector<Instruction>> QueryRecords::take_functions() {

@@ -10,8 +10,8 @@
 namespace a2rt::spirv {
 
 // Asking for a committed intersection that does not exist is undefined, and lavapipe follows a null
-// pointer then. This is the one place where inserted code must branch; it does so in a function of
-// its own, so that the program's blocks stay whole.
+// pointer then. So inserted code must branch here; it does so in a function of its own, and the
+// program's blocks stay whole.
 class QueryRecords {
  public:
   QueryRecords(TypePool& types, const RecordWriter& writer) : types_(types), writer_(writer) {}

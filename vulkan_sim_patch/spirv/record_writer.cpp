@@ -25,8 +25,8 @@ static_assert(offsetof(RecordHeader, ordinals) == offsetof(RecordHeader, records
 
 }  // namespace
 
-RecordWriter::RecordWriter(TypePool& types, std::uint64_t header_address)
-    : header_address_(header_address) {
+RecordWriter::RecordWriter(TypePool& types, AppendFunctions& appends, std::uint64_t header_address)
+    : appends_(appends), header_address_(header_address) {
   constexpr auto kPhysical = spv::StorageClass::PhysicalStorageBuffer;
   // Device scope would need VulkanMemoryModelDeviceScope in a VulkanMemoryModel module, and the
   // queue family's scope exists only there.
@@ -106,7 +106,7 @@ Id RecordWriter::atomic_add(CodeBuilder& code, Id pointer, Id value) const {
                    {pointer, code.constant(scope_), code.constant(0), value});
 }
 
-RecordSite RecordWriter::begin(CodeBuilder& code) const {
+RecordSite RecordWriter::context(CodeBuilder& code) const {
   const auto variable = [&](Variable which) {
     return code.load(code.types().uvec_type(4), variables_[which]);
   };
@@ -121,11 +121,17 @@ RecordSite RecordWriter::begin(CodeBuilder& code) const {
   site.records = units_at(code, code.component(addresses, 0), code.component(addresses, 1));
   site.capacity = code.component(limits, 0);
   site.verdict_launches = code.component(limits, 1);
-  const Id launches = code.component(limits, 2);
+  site.ordinals = words_at(code, code.component(addresses, 2), code.component(addresses, 3));
+  site.ordinal_launches = code.component(limits, 2);
+  return site;
+}
+
+RecordSite RecordWriter::begin(CodeBuilder& code) const {
+  RecordSite site = context(code);
+  const Id launches = site.ordinal_launches;
   const Id slot =
       code.select(code.compare(Op::OpULessThan, site.launch, launches), site.launch, launches);
-  const Id ordinals = words_at(code, code.component(addresses, 2), code.component(addresses, 3));
-  site.ordinal_ptr = word_pointer(code, ordinals, slot);
+  site.ordinal_ptr = word_pointer(code, site.ordinals, slot);
   site.ordinal = code.load_aligned(code.types().uint_type(), site.ordinal_ptr, kWordBytes);
   return site;
 }
@@ -139,8 +145,8 @@ void RecordWriter::advance_ordinal(CodeBuilder& code, const RecordSite& site) co
                      kWordBytes);
 }
 
-RecordPlace RecordWriter::open(CodeBuilder& code, const RecordSite& site, capture::RecordKind kind,
-                               std::uint32_t units) const {
+RecordWriter::Claim RecordWriter::claim(CodeBuilder& code, const RecordSite& site,
+                                        std::uint32_t units) const {
   const Id zero = code.constant(0);
   const Id count = code.constant(units);
   const Id cursor_ptr = header_word(code, offsetof(RecordHeader, cursor));
@@ -151,32 +157,34 @@ RecordPlace RecordWriter::open(CodeBuilder& code, const RecordSite& site, captur
                    code.compare(Op::OpINotEqual, site.enabled, zero));
   const Id claimed = atomic_add(code, cursor_ptr, code.select(has_room, count, zero));
   const Id end = code.binary(Op::OpIAdd, claimed, count);
-  const Id fits = code.compare(Op::OpLogicalAnd, has_room,
-                               code.compare(Op::OpULessThanEqual, end, site.capacity));
-  atomic_add(code, header_word(code, offsetof(RecordHeader, lost)),
-             code.select(fits, zero, site.enabled));
-
-  const RecordPlace place{site.records, code.select(fits, claimed, site.capacity)};
-  const Id first =
-      code.binary(Op::OpBitwiseOr, site.tag, code.constant(static_cast<std::uint32_t>(kind)));
-  put(code, place, 0, code.uvec4(first, site.launch, site.dispatch, site.ordinal));
-  return place;
+  return {claimed, code.compare(Op::OpLogicalAnd, has_room,
+                                code.compare(Op::OpULessThanEqual, end, site.capacity))};
 }
 
-void RecordWriter::put(CodeBuilder& code, const RecordPlace& place, std::uint32_t unit,
-                       Id value) const {
-  const Id index =
-      unit == 0 ? place.offset : code.binary(Op::OpIAdd, place.offset, code.constant(unit));
+Id RecordWriter::append(CodeBuilder& code, const RecordSite& site, capture::RecordKind kind,
+                        std::initializer_list<Id> units) const {
+  const auto count = static_cast<std::uint32_t>(units.size()) + 1;
+  std::vector<Id> call{appends_.of(*this, count), code.constant(static_cast<std::uint32_t>(kind)),
+                       site.ordinal};
+  call.insert(call.end(), units);
+  return code.emit(Op::OpFunctionCall, code.types().uint_type(), call);
+}
+
+void RecordWriter::count_lost(CodeBuilder& code, const RecordSite& site) const {
+  atomic_add(code, header_word(code, offsetof(RecordHeader, lost)), site.enabled);
+}
+
+void RecordWriter::put(CodeBuilder& code, const RecordSite& site, Id offset, Id value) const {
   const Id pointer =
-      code.emit(Op::OpAccessChain, unit_pointer_, {place.base, code.constant(0), index});
+      code.emit(Op::OpAccessChain, unit_pointer_, {site.records, code.constant(0), offset});
   code.store_aligned(pointer, value, kUnitBytes);
 }
 
-void RecordWriter::put_word(CodeBuilder& code, const RecordPlace& place, std::uint32_t unit,
+void RecordWriter::put_word(CodeBuilder& code, const RecordSite& site, Id place, std::uint32_t unit,
                             std::uint32_t word, Id value) const {
-  const Id index = code.binary(Op::OpIAdd, place.offset, code.constant(unit));
+  const Id index = code.binary(Op::OpIAdd, place, code.constant(unit));
   const Id pointer = code.emit(Op::OpAccessChain, word_pointer_,
-                               {place.base, code.constant(0), index, code.constant(word)});
+                               {site.records, code.constant(0), index, code.constant(word)});
   code.store_aligned(pointer, value, kWordBytes);
 }
 

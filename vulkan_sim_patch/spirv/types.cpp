@@ -60,8 +60,8 @@ Id TypePool::type(spv::Op op, std::initializer_list<std::uint32_t> operands) {
   return id;
 }
 
-Id TypePool::procedure_type(const std::vector<Id>& parameters) {
-  std::vector<Id> signature{void_type()};
+Id TypePool::function_type(Id result, const std::vector<Id>& parameters) {
+  std::vector<Id> signature{result};
   signature.insert(signature.end(), parameters.begin(), parameters.end());
   return find_or_create(spv::Op::OpTypeFunction, 0, signature);
 }

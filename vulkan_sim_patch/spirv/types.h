@@ -29,10 +29,11 @@ class TypePool {
   Id pointer_type(spv::StorageClass storage, Id pointee) {
     return type(spv::Op::OpTypePointer, {static_cast<std::uint32_t>(storage), pointee});
   }
-  // void f()
-  Id procedure_type() { return type(spv::Op::OpTypeFunction, {void_type()}); }
+  Id function_type(Id result, const std::vector<Id>& parameters);
   // void f(parameters)
-  Id procedure_type(const std::vector<Id>& parameters);
+  Id procedure_type(const std::vector<Id>& parameters = {}) {
+    return function_type(void_type(), parameters);
+  }
   // A new struct whose one member is an unbounded array of `element`, laid out with `stride`.
   Id unbounded_block(Id element, std::uint32_t stride);
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -42,18 +43,32 @@ bool is_private_load(const Module& module, Id id) {
          variable->operand(0) == static_cast<std::uint32_t>(spv::StorageClass::Private);
 }
 
-// How often each kind of record is written in the code: its first word is context.tag | kind.
+// Whether the function writes a record: its first word is context.tag | kind.
+bool appends(const Module& module, const Function& function) {
+  return std::ranges::any_of(function.code, [&](const Instruction& instruction) {
+    if (instruction.op() != Op::OpBitwiseOr) {
+      return false;
+    }
+    const Instruction* const tag = module.definition(instruction.operand(0));
+    return tag != nullptr && tag->op() == Op::OpCompositeExtract && tag->operand(1) == 0 &&
+           is_private_load(module, tag->operand(0));
+  });
+}
+
+// How often each kind of record is written in the code: the first argument of each call of a
+// function that appends.
 std::map<RecordKind, int> record_sites(const std::vector<std::uint32_t>& words) {
   const Module module = Module::parse(words);
+  std::set<Id> writers;
+  for (const Function& function : module.functions()) {
+    if (appends(module, function)) {
+      writers.insert(function.id);
+    }
+  }
   std::map<RecordKind, int> found;
   for (const Function& function : module.functions()) {
     for (const Instruction& instruction : function.code) {
-      if (instruction.op() != Op::OpBitwiseOr) {
-        continue;
-      }
-      const Instruction* const tag = module.definition(instruction.operand(0));
-      if (tag != nullptr && tag->op() == Op::OpCompositeExtract && tag->operand(1) == 0 &&
-          is_private_load(module, tag->operand(0))) {
+      if (instruction.op() == Op::OpFunctionCall && writers.contains(instruction.operand(0))) {
         ++found[static_cast<RecordKind>(constant(module, instruction.operand(1)).value_or(0))];
       }
     }

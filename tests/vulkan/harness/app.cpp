@@ -13,7 +13,10 @@ constexpr std::array kExtensions = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME
                                     VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME,
                                     VK_KHR_PIPELINE_LIBRARY_EXTENSION_NAME,
                                     VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME,
-                                    VK_KHR_RAY_TRACING_MAINTENANCE_1_EXTENSION_NAME};
+                                    VK_KHR_RAY_TRACING_MAINTENANCE_1_EXTENSION_NAME,
+                                    VK_EXT_MESH_SHADER_EXTENSION_NAME,
+                                    VK_EXT_MULTI_DRAW_EXTENSION_NAME,
+                                    "VK_KHR_maintenance6"};  // not in older headers
 
 std::map<std::string, Run>& registered() {
   static std::map<std::string, Run> all;
@@ -102,8 +105,14 @@ void App::create_device() {
   }
   physical_ = *found;
 
+  VkPhysicalDeviceMultiDrawFeaturesEXT multi{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTI_DRAW_FEATURES_EXT, nullptr, VK_TRUE};
+  VkPhysicalDeviceMeshShaderFeaturesEXT mesh{};
+  mesh.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT;
+  mesh.pNext = &multi;
+  mesh.meshShader = VK_TRUE;
   VkPhysicalDeviceRayTracingMaintenance1FeaturesKHR maintenance{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_MAINTENANCE_1_FEATURES_KHR, nullptr, VK_TRUE,
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_MAINTENANCE_1_FEATURES_KHR, &mesh, VK_TRUE,
       VK_TRUE};
   VkPhysicalDeviceRayQueryFeaturesKHR query{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR, &maintenance, VK_TRUE};
@@ -422,7 +431,7 @@ std::vector<VkRayTracingShaderGroupCreateInfoKHR> group_infos(const std::vector<
 }  // namespace
 
 RayPipeline App::ray_pipeline(const std::vector<Stage>& stages, const std::vector<Group>& groups,
-                              TableShape shape, std::uint32_t recursion) {
+                              TableShape shape, std::uint32_t recursion, VkPipelineLayout layout) {
   std::vector<VkPipelineShaderStageCreateInfo> stage_infos;
   for (const Stage& stage : stages) {
     stage_infos.push_back(stage_info(stage));
@@ -435,7 +444,7 @@ RayPipeline App::ray_pipeline(const std::vector<Stage>& stages, const std::vecto
   info.groupCount = static_cast<std::uint32_t>(groups_created.size());
   info.pGroups = groups_created.data();
   info.maxPipelineRayRecursionDepth = recursion;
-  info.layout = layout_;
+  info.layout = layout != VK_NULL_HANDLE ? layout : layout_;
   RayPipeline pipeline;
   check(vkCreateRayTracingPipelinesKHR(device_, VK_NULL_HANDLE, VK_NULL_HANDLE, 1, &info, nullptr,
                                        &pipeline.handle),

@@ -154,8 +154,10 @@ class App {
 
   VkShaderModule module(const std::string& shader);
   VkPipelineShaderStageCreateInfo stage_info(const Stage& stage);
+  // `layout` null: layout().
   RayPipeline ray_pipeline(const std::vector<Stage>& stages, const std::vector<Group>& groups,
-                           TableShape shape, std::uint32_t recursion = 1);
+                           TableShape shape, std::uint32_t recursion = 1,
+                           VkPipelineLayout layout = VK_NULL_HANDLE);
   void fill_table(RayPipeline& pipeline, std::uint32_t groups, TableShape shape);
   VkPipeline compute_pipeline(const std::string& shader);
 

@@ -1,9 +1,12 @@
-// vulkan_programs PROGRAM PICTURE.ppm: runs one program and writes what it drew.
-// vulkan_programs --list: the programs' names.
+// vulkan_programs PROGRAM[+PROGRAM...] PICTURE.ppm: runs one program after the other, each on a
+// device of its own, and writes what the last one drew. vulkan_programs --list: the programs'
+// names.
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "harness/app.h"
 
@@ -21,6 +24,20 @@ void write_picture(const foreign::Buffer& picture, const std::string& path) {
   }
 }
 
+// Empty if one of the names is unknown.
+std::vector<foreign::Run> find_programs(const std::string& names) {
+  std::vector<foreign::Run> runs;
+  std::istringstream list(names);
+  for (std::string name; std::getline(list, name, '+');) {
+    const auto found = foreign::programs().find(name);
+    if (found == foreign::programs().end()) {
+      return {};
+    }
+    runs.push_back(found->second);
+  }
+  return runs;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -30,15 +47,17 @@ int main(int argc, char** argv) {
     }
     return 0;
   }
-  const auto found = argc == 3 ? foreign::programs().find(argv[1]) : foreign::programs().end();
-  if (found == foreign::programs().end()) {
-    std::fprintf(stderr, "usage: %s PROGRAM PICTURE.ppm | --list\n", argv[0]);
+  const auto runs = argc == 3 ? find_programs(argv[1]) : std::vector<foreign::Run>{};
+  if (runs.empty()) {
+    std::fprintf(stderr, "usage: %s PROGRAM[+PROGRAM...] PICTURE.ppm | --list\n", argv[0]);
     return 2;
   }
   try {
-    foreign::App app;
-    found->second(app);
-    write_picture(app.picture(), argv[2]);
+    for (const foreign::Run run : runs) {
+      foreign::App app;
+      run(app);
+      write_picture(app.picture(), argv[2]);
+    }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s: %s\n", argv[1], error.what());
     return 1;

@@ -2,7 +2,7 @@
 // deferred operation; the structure is pushed into the command buffer.
 #include <array>
 
-#include "harness/app.h"
+#include "harness/push_layout.h"
 
 namespace {
 using namespace foreign;
@@ -80,44 +80,17 @@ RayPipeline link(App& app, VkPipelineLayout layout, VkPipeline library) {
 void run(App& app) {
   const Structure grid = app.blas({app.triangles(wavy_grid(10))});
   const Structure tlas = app.tlas({App::instance(grid, translation(0, 0, 0))});
-  std::array<VkDescriptorSetLayoutBinding, 2> bindings{};
-  bindings[0] = {0, VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR, 1, VK_SHADER_STAGE_ALL, nullptr};
-  bindings[1] = {1, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, VK_SHADER_STAGE_ALL, nullptr};
-  VkDescriptorSetLayoutCreateInfo set{};
-  set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
-  set.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_PUSH_DESCRIPTOR_BIT_KHR;
-  set.bindingCount = static_cast<std::uint32_t>(bindings.size());
-  set.pBindings = bindings.data();
-  VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
-  check(vkCreateDescriptorSetLayout(app.device(), &set, nullptr, &set_layout), "set layout");
-  const VkPushConstantRange constants{VK_SHADER_STAGE_ALL, 0, 16};
-  VkPipelineLayoutCreateInfo create{};
-  create.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
-  create.setLayoutCount = 1;
-  create.pSetLayouts = &set_layout;
-  create.pushConstantRangeCount = 1;
-  create.pPushConstantRanges = &constants;
-  VkPipelineLayout layout = VK_NULL_HANDLE;
-  check(vkCreatePipelineLayout(app.device(), &create, nullptr, &layout), "layout");
+  const PushLayout push(app);
+  const VkPipelineLayout layout = push.layout();
   const VkPipeline library = make_library(app, layout);
   const RayPipeline pipeline = link(app, layout, library);
 
-  VkWriteDescriptorSetAccelerationStructureKHR structure{
-      VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR, nullptr, 1, &tlas.handle};
-  const VkDescriptorBufferInfo picture{app.picture().handle, 0, VK_WHOLE_SIZE};
-  std::array<VkWriteDescriptorSet, 2> writes{};
-  for (std::uint32_t i = 0; i < writes.size(); ++i) {
-    writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-    writes[i].dstBinding = i;
-    writes[i].descriptorCount = 1;
-    writes[i].descriptorType = bindings[i].descriptorType;
-  }
-  writes[0].pNext = &structure;
-  writes[1].pBufferInfo = &picture;
+  const PushWrites writes(app, tlas);
   app.run([&](VkCommandBuffer commands) {
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR, pipeline.handle);
     app.vkCmdPushDescriptorSetKHR(commands, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR, layout, 0,
-                                  static_cast<std::uint32_t>(writes.size()), writes.data());
+                                  static_cast<std::uint32_t>(writes.list.size()),
+                                  writes.list.data());
     const std::uint32_t zero[2] = {0, 0};
     vkCmdPushConstants(commands, layout, VK_SHADER_STAGE_ALL, 0, sizeof(zero), zero);
     app.vkCmdTraceRaysKHR(commands, &pipeline.raygen, &pipeline.miss, &pipeline.hit,
@@ -125,8 +98,6 @@ void run(App& app) {
     App::barrier(commands);
   });
   vkDestroyPipeline(app.device(), library, nullptr);
-  vkDestroyPipelineLayout(app.device(), layout, nullptr);
-  vkDestroyDescriptorSetLayout(app.device(), set_layout, nullptr);
 }
 const Program program("library", run);
 }  // namespace
