@@ -10,6 +10,9 @@ template <class... F>
 struct Overloaded : F... {
   using F::operator()...;
 };
+// Clang before 17 does not find this by itself.
+template <class... F>
+Overloaded(F...) -> Overloaded<F...>;
 
 std::string number_text(double v) {
   if (std::isnan(v)) {

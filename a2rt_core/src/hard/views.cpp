@@ -8,11 +8,9 @@
 namespace a2rt::hard {
 namespace {
 
-using synthetic::Shape;
-
-std::vector<Triangle> body(Shape shape) {
+std::vector<Triangle> ball() {
   synthetic::Config config;
-  config.shape = shape;
+  config.shape = synthetic::Shape::kSphere;
   config.primitives = 3000;
   config.width = config.height = 1;
   config.secondary = 0;
@@ -26,9 +24,9 @@ float place(std::uint32_t i, std::uint32_t side) {
 }
 
 // Parallel rays in direction `d` (d.z = -1) through a grid in the plane z = 0, from `back` away.
-Workload parallel(Shape shape, std::uint32_t side, const Vec3& d, float back) {
+Workload parallel(std::uint32_t side, const Vec3& d, float back) {
   CaseBuilder c(71);
-  c.blas(body(shape));
+  c.blas(ball());
   for (std::uint32_t y = 0; y < side; ++y) {
     for (std::uint32_t x = 0; x < side; ++x) {
       const Vec3 target{place(x, side), -place(y, side), 0};
@@ -41,7 +39,7 @@ Workload parallel(Shape shape, std::uint32_t side, const Vec3& d, float back) {
 // A camera on the z axis that looks along it: its middle column and row have a zero component.
 Workload pinhole(std::uint32_t side) {
   CaseBuilder c(72);
-  c.blas(body(Shape::kSphere));
+  c.blas(ball());
   const std::uint32_t odd = side | 1U;
   const Vec3 eye{0, 0, 3};
   for (std::uint32_t y = 0; y < odd; ++y) {
@@ -54,27 +52,24 @@ Workload pinhole(std::uint32_t side) {
   return c.finish();
 }
 
-Workload shifted(std::uint32_t side) {
-  return parallel(Shape::kTorus, side, {0x1.4p-20F, 0x1.8p-19F, -1}, 3);
-}
-Workload wrapped(std::uint32_t side) {
-  return parallel(Shape::kTorus, side, {0x1.4p-40F, 0x1.8p-36F, -1}, 3);
-}
+Workload shifted(std::uint32_t side) { return parallel(side, {0x1.5p-17F, 0x1.9p-18F, -1}, 3); }
+Workload wrapped(std::uint32_t side) { return parallel(side, {0x1.4p-40F, 0x1.8p-36F, -1}, 3); }
 
-// A grid of tiny spheres seen from very far: groups are small against their distance.
-Workload far_and_small(std::uint32_t side) {
+// Rays from far away: a unit in the last place of the origin is wide against the triangles.
+Workload from_afar(std::uint32_t side, float back) {
   CaseBuilder c(73);
-  c.blas(body(Shape::kSphere));
+  c.blas(ball());
   const Vec3 d{0.3F, -0.2F, -1};
   for (std::uint32_t y = 0; y < side; ++y) {
     for (std::uint32_t x = 0; x < side; ++x) {
       const Vec3 target{place(x, side), -place(y, side), 0};
-      const Vec3 origin = target - 0x1p21F * d;
+      const Vec3 origin = target - back * d;
       c.ray(origin, target - origin);
     }
   }
   return c.finish();
 }
+Workload far_away(std::uint32_t side) { return from_afar(side, 0x1p21F); }
 
 // Light from the camera: the cosine between the ray and the triangle's plane.
 std::uint8_t brightness(const Workload& w, const Ray& ray, const Hit& hit) {
@@ -100,12 +95,13 @@ const std::vector<View>& views() {
        "component that is exactly 0; its reciprocal's infinite exponent is taken as slope 1.",
        pinhole},
       {"aqb8_shift", "aqb8_floor", "AQB8: 5-bit shift overflows 32 bits",
-       "A torus under parallel rays whose x and y components are 1.25·2^-20 and 1.5·2^-19.",
-       shifted},
+       "The sphere under parallel rays whose x and y components are about 2^-17.", shifted},
       {"aqb8_wrap", "aqb8_nearest", "AQB8: 5-bit exponent wraps",
-       "The same with components 1.25·2^-40 and 1.5·2^-36: every ray is lost.", wrapped},
+       "The same with components of 2^-40 and 2^-36.", wrapped},
+      {"aqb8_far", "aqb8_floor", "AQB8: FP32 cancellation",
+       "The sphere from two million radii away.", far_away},
       {"literal_far", "a2rt_literal", "A²RT as printed: origin clamped",
-       "A sphere from two million radii away.", far_and_small}};
+       "The sphere from two million radii away.", far_away}};
   return all;
 }
 
