@@ -14,17 +14,6 @@ from a2rt_cli.report import charts, extras, measures, time_spent, words
 from a2rt_cli.report.table import Table
 from a2rt_cli.results import Result
 
-KIND_WORDS = {
-    "node": "FP32 nodes",
-    "group_node": "group nodes",
-    "sub_node": "sub / quantized nodes",
-    "anchor": "anchor nodes",
-    "triangle": "triangles",
-    "aabb": "procedural boxes",
-    "instance": "instances",
-    "stack": "stack spills",
-    "shader": "shader data",
-}
 MATCH_NOTE = (
     "Tie: same distance, another primitive. Tmin self-hit: the ray starts on the surface it hits. "
     "Edge: within rounding of a triangle's edge. Driver's box loss: lavapipe's own box test at a "
@@ -151,26 +140,25 @@ def accuracy_table(found: Sequence[Result]) -> Table | None:
 
 def traffic_chart(found: Sequence[Result]) -> tuple[str, str] | None:
     """(legend, SVG) of the bytes each unit asks of L1, by kind of data."""
+    asked = {kind for one in found for kind in results.get(one, "memory.by_kind", {})}
     kinds = [
         kind
-        for kind in KIND_WORDS
+        for kind in [*time_spent.TRAFFIC, *sorted(asked - set(time_spent.TRAFFIC))]
         if any(results.get(one, f"memory.by_kind.{kind}.bytes", 0) for one in found)
     ]
     if not kinds:
         return None
-    colours = charts.series_colours([KIND_WORDS[kind] for kind in kinds])
+    named = {kind: time_spent.kind_words(kind) for kind in kinds}
     bars = [
         charts.Bar(
             results.workload_name(one),
             results.label(one),
-            {
-                KIND_WORDS[kind]: results.get(one, f"memory.by_kind.{kind}.bytes", 0)
-                for kind in kinds
-            },
+            {named[kind][0]: results.get(one, f"memory.by_kind.{kind}.bytes", 0) for kind in kinds},
         )
         for one in found
         if results.get(one, "memory.by_kind")
     ]
+    colours = dict(named.values())
     chart = charts.stacked(bars, colours, formats.size, "Bytes asked of the L1 cache")
     return charts.legend(colours), chart
 

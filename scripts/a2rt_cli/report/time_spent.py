@@ -198,19 +198,20 @@ def _traffic(timed: Sequence[Result]) -> tuple[str, str]:
             kinds = results.get(one, f"memory.levels.{level}.by_kind", {})
             parts = {kind: float(entry.get("bytes", 0)) for kind, entry in kinds.items()}
             seen += [kind for kind, value in parts.items() if value > 0 and kind not in seen]
-            named = {_kind(kind)[0]: value for kind, value in parts.items()}
+            named = {kind_words(kind)[0]: value for kind, value in parts.items()}
             bars.append(charts.Bar(title, results.label(one), named))
     order = [kind for kind in TRAFFIC if kind in seen] + [k for k in seen if k not in TRAFFIC]
-    colours = dict(_kind(kind) for kind in order)
+    colours = dict(kind_words(kind) for kind in order)
     for bar in bars:
         for name in bar.parts:
             colours.setdefault(name, _SPARE)
-    shown = dict(_kind(kind) for kind in order)
+    shown = dict(kind_words(kind) for kind in order)
     chart = charts.stacked(bars, colours, formats.size, "Bytes moved at each level, by kind")
     return charts.legend(shown), chart
 
 
-def _kind(kind: str) -> tuple[str, str]:
+def kind_words(kind: str) -> tuple[str, str]:
+    """Words and colour of a kind of traffic; the same in every chart."""
     return TRAFFIC.get(kind, (kind.replace("_", " "), _SPARE))
 
 
