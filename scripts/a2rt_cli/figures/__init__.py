@@ -69,6 +69,18 @@ def reproduce(
     loaded = experiment.load(experiment.find(name), scenes)
     loaded = replace(loaded, size=size or loaded.size)
     drawn = module.draw(Context(loaded, out, parallel))
+    text = "\n\n".join([drawn.text, *_notes(out)])
     target = out / f"{name}.txt"
-    write_text(target, f"{name}: {module.TITLE}\n\n{drawn.text}\n")
-    return Drawn(drawn.text, [*drawn.files, target])
+    write_text(target, f"{name}: {module.TITLE}\n\n{text}\n")
+    return Drawn(text, [*drawn.files, target])
+
+
+def _notes(out: Path) -> list[str]:
+    """Scenes that are partial or stood in for; a reader of the figure must know."""
+    from a2rt_cli import results
+
+    if not (out / "results.json").is_file():
+        return []
+    notes = [results.get(one, "workload.note") for one in results.load(out)]
+    known = [note for note in dict.fromkeys(notes) if note]
+    return ["Scenes:\n" + "\n".join(f"- {note}" for note in known)] if known else []
