@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import shutil
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -86,6 +87,7 @@ def render(
     under_layer: bool = True,
     shown: console.Step | None = None,
     extra: Sequence[str] = (),
+    environment: Mapping[str, str] | None = None,
 ) -> list[str]:
     """Draws a scene into `picture`; with `capture`, leaves a raw capture in that folder."""
     settings: dict[str, str | Path] = {}
@@ -94,6 +96,7 @@ def render(
     if verdicts is not None:
         settings["A2RT_VERDICTS"] = verdicts
     env = layer_environment(**settings) if under_layer else programs.lavapipe()
+    env |= environment or {}
     command = [programs.program("a2rt-render"), scene.argument, *options.arguments()]
     command += ["-o", str(picture), *extra]
     log = programs.log_file(f"render-{scene.name}-{os.getpid()}")
@@ -103,9 +106,17 @@ def render(
     return lines
 
 
+def _layers_reason(log: Path) -> str:
+    """Why the layer gave up a capture it had begun, in its own words, e.g. a full disk."""
+    said = re.findall(r"^a2rt-layer: (cannot write .*)$", log.read_text("utf-8", "replace"), re.M)
+    return str(said[0]) if said else ""
+
+
 def require_capture(folder: Path, name: str, log: Path) -> None:
     """The layer renames manifest.bin into place last: without it there is no whole capture."""
     if not (folder / "manifest.bin").is_file():
+        if reason := _layers_reason(log):
+            raise UserError(f"{name} ran, but its rays could not be captured: {reason}", "", log)
         raise UserError(
             f"{name} ended without a ray-tracing capture",
             "is it a Vulkan program that traces rays (vkCmdTraceRays or ray queries), started "
