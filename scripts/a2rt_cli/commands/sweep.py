@@ -7,6 +7,7 @@ again. With --search an optimiser looks for the cheapest configuration within an
 from __future__ import annotations
 
 import argparse
+import dataclasses
 from pathlib import Path
 
 from a2rt_cli import options
@@ -14,6 +15,7 @@ from a2rt_cli.setup.needs import Need
 
 EXAMPLES = """  scripts/a2rt sweep lumibench_configs/experiments/price-of-accuracy.toml
   scripts/a2rt sweep smoke --dry-run
+  scripts/a2rt sweep price-of-accuracy --scenes ship,bath --size 48x48 -o out/real
   scripts/a2rt sweep my.toml -o out/my --parallel 8
   scripts/a2rt sweep my.toml --profile slurm --dry-run
   scripts/a2rt sweep my.toml --search --trials 60
@@ -24,6 +26,9 @@ NEED = Need.SWEEP
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("experiment", metavar="EXPERIMENT", help="name or .toml file")
     parser.add_argument("--scenes", type=options.names_list, help="instead of the experiment's")
+    parser.add_argument(
+        "--size", metavar="WxH", type=options.size, help="of the pictures, not the experiment's"
+    )
     parser.add_argument("--dry-run", action="store_true", help="only say what would run")
     parser.add_argument(
         "--profile", metavar="NAME|DIR", help="Snakemake profile: slurm, or a folder of your own"
@@ -40,6 +45,8 @@ def run(args: argparse.Namespace) -> int:
     from a2rt_cli.sweep import plan, search, workflow
 
     experiment = plan.load(plan.find(args.experiment), args.scenes)
+    if args.size:
+        experiment = dataclasses.replace(experiment, size=args.size)
     out = Path(args.output or Path("out") / "sweep" / experiment.name)
     if args.search:
         best = search.run(experiment, out, args.trials, args.parallel)

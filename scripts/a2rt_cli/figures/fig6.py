@@ -16,8 +16,8 @@ from a2rt_cli.report import charts
 
 TITLE = "accuracy of box tests over the ray's direction"
 NAME = "fig6"
-BINS = 24
-PAIRS = 1_000_000
+BINS = 18
+PAIRS = 4_000_000
 
 
 _TITLES = {"a2rt": "A²RT", "aqb8": "AQB8", "a2rt-literal": "A²RT as printed"}
@@ -41,9 +41,20 @@ _KINDS = (("redundant", "exact_misses", "true misses"), ("missed", "exact_hits",
 
 
 def _map(axes, grid, title: str, high: float):
+    import numpy as np
+
+    # Bins without any error keep the panel's own grey: none is told from few.
     shown = axes.imshow(
-        grid * 100, origin="lower", extent=(0, 0.5, 0, 0.5), cmap="cividis", vmin=0, vmax=high
+        np.ma.masked_equal(grid * 100, 0),
+        origin="lower",
+        extent=(0, 0.5, 0, 0.5),
+        cmap="cividis_r",
+        vmin=0,
+        vmax=high,
     )
+    axes.set_facecolor("#eef1f5")
+    if not np.nansum(grid):
+        axes.text(0.25, 0.25, "none in any direction", ha="center", va="center", color="#5b6577")
     axes.set_title(title, loc="left", fontsize=10)
     ticks = [0, 0.125, 0.25, 0.375, 0.5]
     words = ["0", "π/8", "π/4", "3π/8", "π/2"]
@@ -57,9 +68,14 @@ def _map(axes, grid, title: str, high: float):
     return shown
 
 
+def _share(value: float) -> str:
+    """As percent, with enough digits that a few in a million do not read as none."""
+    return f"{value * 100:.2f} %" if value >= 1e-4 or value == 0 else f"{value * 100:.4f} %"
+
+
 def _map_title(unit: str, kind: str, data: dict[str, Any], among: str, population: str) -> str:
     wrong, of = (sum(map(sum, data[key])) for key in (kind, among))
-    share = formats.percent(wrong / of, 2 if wrong else 0) if of else formats.NOTHING
+    share = _share(wrong / of) if of else formats.NOTHING
     return f"{_title(unit)}: {kind} hits\n{share} of {population} ({wrong:,} of {of:,})"
 
 
@@ -85,6 +101,8 @@ def _draw_maps(found: dict[str, Any], out: Path) -> list[Path]:
 
 
 def _draw_near_axis(found: dict[str, Any], out: Path) -> list[Path]:
+    import numpy as np
+
     near = found["near_axis"]
     figure, panels = plotting.new(10, 3.8, columns=2)
     exponents = near["log2_d"]
@@ -92,7 +110,9 @@ def _draw_near_axis(found: dict[str, Any], out: Path) -> list[Path]:
         for index, (unit, data) in enumerate(near["units"].items()):
             rate = _rate(data[kind], data[among]) * 100
             style = {"color": charts.unit_colour(unit, index), "marker": "os^D"[index % 4]}
-            axes.plot(exponents, rate, label=_title(unit), markersize=4, **style)
+            # The unit that errs least is drawn last, so that zeros are seen.
+            order = 2 + 1 / (1 + float(np.nansum(rate)))
+            axes.plot(exponents, rate, label=_title(unit), markersize=4, zorder=order, **style)
         axes.set_title(f"{kind.capitalize()} hits, % of {population}", loc="left", fontsize=10)
         axes.set_xlabel("smallest component of the direction, |d|")
         ticks = range(int(exponents[0] - 0.5), 1, 5)
@@ -103,7 +123,7 @@ def _draw_near_axis(found: dict[str, Any], out: Path) -> list[Path]:
             words = "below $2^{-16}$ AQB8's\n5-bit shift overflows"
             place = (_AQB8_LIMIT + 0.5, axes.get_ylim()[1] * 0.97)
             axes.annotate(words, place, va="top", fontsize=8.5, color="#5b6577")
-    panels[0].legend(loc="upper left" if panels[0].get_ylim()[1] > 0 else "best")
+    panels[0].legend(loc="center right")
     return plotting.save(figure, out, f"{NAME}-near-axis")
 
 

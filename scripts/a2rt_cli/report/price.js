@@ -11,26 +11,38 @@ function make(name, attributes, text) {
   return element;
 }
 
+// 1, 2 and 5 times the powers of ten in [low, high]; on a short range evenly spaced values.
 function ticks(low, high) {
-  const raw = (high - low) / 5;
-  const power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 5, 10].find((m) => m * power >= raw) * power;
   const out = [];
-  for (let v = Math.ceil(low / step) * step; v <= high + step * 1e-9; v += step) out.push(v);
+  if (low > 0 && high / low < 4) {
+    const raw = (high - low) / 4, power = 10 ** Math.floor(Math.log10(raw));
+    const step = [1, 2, 5, 10].find((m) => m * power >= raw) * power;
+    for (let v = Math.ceil(low / step) * step; v <= high; v += step) out.push(v);
+    return out;
+  }
+  if (low <= 0) out.push(0);
+  const first = Math.floor(Math.log10(low > 0 ? low : high / 200));
+  for (let e = first; e <= Math.log10(high); ++e)
+    for (const m of [1, 2, 5]) if (m * 10 ** e >= low && m * 10 ** e <= high) out.push(m * 10 ** e);
   return out;
 }
 
-function extent(values) {
-  const low = Math.min(...values), high = Math.max(...values);
-  const margin = (high - low || Math.abs(high) || 1) * 0.06;
-  return [Math.max(0, low - margin), high + margin];
+// Wrongness may be 0 and spreads widely: the square root keeps both ends apart. Prices are ratios.
+const scales = { x: Math.sqrt, y: Math.log };
+
+function placed(values, scale, from, to) {
+  const ends = [Math.min(...values), Math.max(...values)].map(scale);
+  const room = (ends[1] - ends[0] || Math.abs(ends[1]) || 1) * 0.06;
+  const low = scale === Math.sqrt ? Math.max(0, ends[0] - room) : ends[0] - room, high = ends[1] + room;
+  const back = scale === Math.sqrt ? (v) => v * v : Math.exp;
+  return { at: (v) => from + ((scale(v) - low) / (high - low)) * (to - from), range: [back(low), back(high)] };
 }
 
 function written(value, kind) {
   if (value === null || value === undefined) return "–";
-  if (kind === "percent") return (value * 100).toPrecision(3) + " %";
+  if (kind === "percent") return Number((value * 100).toPrecision(3)) + " %";
   if (kind === "ratio") return (value * 100).toFixed(1) + " %";
-  if (kind === "small") return value === 0 ? "0" : value.toPrecision(2);
+  if (kind === "small") return String(Number(value.toPrecision(2)));
   if (value >= 1e12) return (value / 1e12).toPrecision(3) + " T";
   if (value >= 1e9) return (value / 1e9).toPrecision(3) + " G";
   return value >= 1e6 ? (value / 1e6).toPrecision(3) + " M" : Math.round(value).toLocaleString("en");
@@ -154,7 +166,7 @@ function drawPoint(point, x, y, onFront) {
     group.append(make("circle", { cx, cy, r: point.default ? 7 : 4.5, class: "dot", fill, "fill-opacity": point.default ? 1 : 0.75 }));
   }
   group.append(make("circle", { cx, cy, r: 10, fill: "transparent" }));
-  if (point.default) group.append(make("text", { x: cx + 11, y: cy - 8, class: "t b" }, point.unit));
+  if (point.default) group.append(make("text", { x: cx, y: cy + (point.unit === "a2rt-literal" ? 22 : -12), "text-anchor": "middle", class: "t b halo" }, point.unit));
   for (const kind of ["mouseenter", "focus"]) group.addEventListener(kind, () => hint(point, cx, cy));
   for (const kind of ["mouseleave", "blur"]) group.addEventListener(kind, () => { tip.hidden = true; });
   group.addEventListener("click", () => show(point));
@@ -168,10 +180,10 @@ function draw() {
   const chosen = chosenPoints();
   svg.dataset.points = chosen.length;
   if (!chosen.length) return;
-  const xs = extent(chosen.map((p) => p.at[0])), ys = extent(chosen.map((p) => p.at[1]));
-  const x = (v) => frame.left + ((v - xs[0]) / (xs[1] - xs[0])) * (frame.right - frame.left);
-  const y = (v) => frame.bottom - ((v - ys[0]) / (ys[1] - ys[0])) * (frame.bottom - frame.top);
-  drawAxes(x, y, xs, ys);
+  const across = placed(chosen.map((p) => p.at[0]), scales.x, frame.left, frame.right);
+  const up = placed(chosen.map((p) => p.at[1]), scales.y, frame.bottom, frame.top);
+  const x = across.at, y = up.at;
+  drawAxes(x, y, across.range, up.range);
   const front = frontOf(chosen);
   // Units as configured lie on top, where they can be pointed at.
   chosen.sort((a, b) => a.default - b.default);

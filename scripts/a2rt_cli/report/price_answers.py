@@ -119,10 +119,9 @@ def _columns(experiment: Experiment, found: Found, scope: str) -> Answer | None:
         f"energy {change(last.cost.tester_energy, first.cost.tester_energy)}, redundant hits "
         f"{change(last.cost.redundant, first.cost.redundant)}. Step by step: {'; '.join(steps)}."
     )
-    headline = f"−{saved * 100:.1f} % tester area a column"
-    if saved < 0:
-        headline = f"+{-saved * 100:.1f} % tester area a column"
-    headline += f", {change(last.cost.redundant, first.cost.redundant, 1)} redundant over {count}"
+    own = next((row for row in rows if row.is_default), last)
+    headline = f"{change(1 - saved)} tester area each; "
+    headline += f"dropping {own.label}: {change(own.cost.cycles, first.cost.cycles, 2)} time"
     return Answer("Each multiplier column dropped", headline, detail)
 
 
@@ -130,16 +129,16 @@ _S_T, _L_T = "classify.area_ratio", "classify.length_ratio"
 
 
 def classification(experiment: Experiment, found: Found, scope: str = ALL) -> list[Cell]:
-    """The S_t x L_t grid, if the experiment has one."""
+    """The timed cells of the S_t x L_t grid, if the experiment has one."""
     for factorial in experiment.factorials:
         if set(factorial.space) == {_S_T, _L_T}:
-            return price.grid(experiment, factorial, found, scope)
+            cells = price.grid(experiment, factorial, found, scope)
+            return [cell for cell in cells if cell.cost.cycles is not None]
     return []
 
 
 def best_cell(cells: Sequence[Cell]) -> Cell | None:
-    timed = [cell for cell in cells if cell.cost.cycles is not None]
-    return min(timed, key=lambda cell: cell.cost.cycles, default=None)
+    return min(cells, key=lambda cell: cell.cost.cycles, default=None)
 
 
 def _thresholds(experiment: Experiment, found: Found, scope: str) -> Answer | None:

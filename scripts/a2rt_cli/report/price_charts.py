@@ -12,11 +12,14 @@ from html import escape
 from a2rt_cli import formats
 from a2rt_cli.report.price import Cost, Price
 
-_WIDTH, _HEIGHT = 960, 300
+_WIDTH, _HEIGHT = 1010, 280
 _TOP, _BOTTOM = 44, 236
 _BARS = (52, 440)  # x of the left panel
 _LINES = (540, 848)  # x of the right panel; names of the lines stand right of it
 _BUYS, _LOSES = "#0072b2", "#d55e00"
+# Values far outside what the steps beside the unit's own value show are drawn at the panel's edge
+# with their number, or they would press everything else flat.
+_OUTLIER, _LEAST_CAP = 3.0, 0.15
 # Relative changes below this are drawn on an axis this high: noise must not look like a trend.
 _LEAST_RANGE = 0.02
 
@@ -126,13 +129,10 @@ def _lines(rows: Sequence[Price]) -> list[str]:
     shown = [(series, values) for series, values in every if any(v is not None for v in values)]
     if not shown:
         return []
-    flat = [v - 1 for _, values in shown for v in values if v is not None]
-    low, high = min(0.0, *flat), max(0.0, *flat)
-    spare = max(0.0, _LEAST_RANGE - (high - low)) / 2
-    low, high = low - spare - (high - low) * 0.04, high + spare + (high - low) * 0.04
+    low, high = _range(rows, [values for _, values in shown])
 
     def y(change: float) -> float:
-        return _BOTTOM - (change - low) / (high - low) * (_BOTTOM - _TOP)
+        return _BOTTOM - (min(change, high) - low) / (high - low) * (_BOTTOM - _TOP)
 
     own = next((row.label for row in rows if row.is_default), "")
     title = f"What it costs: change against {own}" if own else "What it costs"
@@ -141,9 +141,7 @@ def _lines(rows: Sequence[Price]) -> list[str]:
         cls = "zero" if tick == 0 else "grid"
         place = f'x1="{_LINES[0]}" x2="{_LINES[1]}" y1="{y(tick):.1f}" y2="{y(tick):.1f}"'
         out.append(f'<line {place} class="{cls}"/>')
-        out.append(
-            _text(_LINES[0] - 6, y(tick) + 4, f"{tick * 100:+.3g} %" if tick else "0", "end")
-        )
+        out.append(_text(_LINES[0] - 6, y(tick) + 4, _signed(tick), "end"))
     ends = []
     for series, values in shown:
         dots = [
@@ -155,12 +153,29 @@ def _lines(rows: Sequence[Price]) -> list[str]:
             path = " ".join(f"{x:.1f},{at:.1f}" for x, at, _, _ in dots)
             line = f'fill="none" stroke="{series.colour}" stroke-width="2"'
             out.append(f'<polyline points="{path}" {line}/>')
-        for x, at, label, value in dots:
+        for index, (x, at, label, value) in enumerate(dots):
             tip = f"{series.name} at {label}: {(value - 1) * 100:+.2f} %"
             out.append(_marker(series.marker, x, at, series.colour, tip))
+            if value - 1 > high and series is shown[0][0]:
+                lift = 8 + 10 * (index % 2)  # neighbours must not touch
+                out.append(_text(x, at - lift, f"{(value - 1) * 100:+.0f}%", cls="t small"))
         ends.append((dots[-1][1], series, dots[-1][3]))
     out += _names(ends) + _ticks(rows, xs)
     return out
+
+
+def _range(rows: Sequence[Price], series: Sequence[Sequence[float | None]]) -> tuple[float, float]:
+    """Lowest and highest change that the panel shows."""
+    own = next((i for i, row in enumerate(rows) if row.is_default), 0)
+    near = range(max(0, own - 1), min(len(rows), own + 2))
+    flat = [value - 1 for values in series for value in values if value is not None]
+    beside = [abs(values[i] - 1) for values in series for i in near if values[i] is not None]
+    cap = max(_LEAST_CAP, _OUTLIER * max(beside, default=0.0)) if rows[own].knob.order else None
+    low, high = min(0.0, *flat), max(0.0, *flat)
+    high = high if cap is None else min(high, cap)
+    spare = max(0.0, _LEAST_RANGE - (high - low)) / 2
+    margin = (high - low) * 0.04 + spare
+    return low - margin, high + margin
 
 
 def _names(ends: Sequence[tuple[float, Series, float]]) -> list[str]:
@@ -172,9 +187,13 @@ def _names(ends: Sequence[tuple[float, Series, float]]) -> list[str]:
         at = max(min(y, room + 17 * index), last + 17 if index else _TOP)
         last = at
         out.append(_marker(series.marker, _LINES[1] + 12, at, series.colour, series.name))
-        words = f"{series.name} {(value - 1) * 100:+.1f} %"
+        words = f"{series.name} {(value - 1) * 100:+.1f} %".replace("-", "−")
         out.append(_text(_LINES[1] + 22, at + 4, words, "start"))
     return out
+
+
+def _signed(tick: float) -> str:
+    return f"{tick * 100:+.3g} %".replace("-", "−") if tick else "0"
 
 
 def _nice(low: float, high: float) -> list[float]:

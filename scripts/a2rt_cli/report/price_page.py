@@ -97,9 +97,9 @@ def _heat(experiment: Experiment, found: Found, scope: str):
     spread = max(times) - best.cost.cycles or 1.0
     s_t, l_t = next(iter(cells)).values.keys()
     own = _own_values(experiment, (s_t, l_t), "a2rt")
-    columns = list(dict.fromkeys(cell.values[l_t] for cell in cells))
+    columns = sorted({cell.values[l_t] for cell in cells})
     rows: dict[float, list[Heat]] = {}
-    for cell in cells:
+    for cell in sorted(cells, key=lambda cell: (cell.values[s_t], cell.values[l_t])):
         slower = cell.cost.cycles / best.cost.cycles - 1
         tip = (
             f"node bytes {change(cell.cost.node_bytes)}, energy {change(cell.cost.energy)}, "
