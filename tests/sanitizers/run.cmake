@@ -1,0 +1,36 @@
+# cmake -DMODE=suites|fuzzers -DSOURCE=... -DBINARY=... -DPYTHON=... -P run.cmake
+#
+# suites: the core's fast suites and the corpora under AddressSanitizer and UBSan.
+# fuzzers: every fuzzer, instrumented, for its own number of seconds; needs Clang.
+set(OPTIONS -DA2RT_BUILD_TESTS=ON -DA2RT_PYTHON=${PYTHON} -DCMAKE_BUILD_TYPE=Release)
+if(MODE STREQUAL "suites")
+  list(APPEND OPTIONS -DA2RT_SANITIZE=address,undefined)
+  set(TARGETS arith_units arith_kernels arith_properties bvh_test config_test energy_test rt_test
+    spirv_test workload_test timing_test hard_cases_arith hard_cases_units tests/fuzz/all)
+  # The mutation check and the large samples would say nothing new here and take an hour; suites that
+  # run programs need a driver. What is not built reports itself so, and is left out.
+  set(SELECT --label-regex "^fast$"
+    --exclude-regex "_NOT_BUILT|^(repo|e2e|hard_cases_page)\\.")
+elseif(MODE STREQUAL "fuzzers")
+  find_program(CLANG NAMES clang++ clang++-19 clang++-17 clang++-16 clang++-15 clang++-14)
+  if(NOT CLANG)
+    message("SKIPPED: the fuzzers need libFuzzer; get it with: apt-get install clang")
+    return()
+  endif()
+  list(APPEND OPTIONS -DCMAKE_CXX_COMPILER=${CLANG} -DA2RT_BUILD_FUZZERS=ON
+    -DA2RT_SANITIZE=fuzzer-no-link,address,undefined)
+  set(TARGETS tests/fuzz/all)
+  set(SELECT --tests-regex "^fuzz_")
+else()
+  message(FATAL_ERROR "MODE is suites or fuzzers, not '${MODE}'")
+endif()
+
+# Embree keeps what it allocated until the process ends.
+set(ENV{ASAN_OPTIONS} "detect_leaks=0")
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${BINARY} -G Ninja ${OPTIONS}
+  COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${BINARY} --target ${TARGETS}
+  COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_CTEST_COMMAND} --test-dir ${BINARY} --output-on-failure --parallel 2
+    --no-tests=error ${SELECT}
+  COMMAND_ERROR_IS_FATAL ANY)
