@@ -136,7 +136,10 @@ function drawAxes(x, y, xs, ys) {
     svg.append(make("line", { x1: frame.left, x2: frame.right, y1: y(v), y2: y(v) }));
     svg.append(make("text", { x: frame.left - 8, y: y(v) + 4, "text-anchor": "end", class: "t" }, written(v, kind.y)));
   }
+  let last = -Infinity;
   for (const v of ticks(...xs)) {
+    if (x(v) - last < 42) continue; // the square root crowds small values
+    last = x(v);
     svg.append(make("text", { x: x(v), y: frame.bottom + 18, "text-anchor": "middle", class: "t" }, written(v, kind.x)));
   }
   const middle = (frame.left + frame.right) / 2, half = (frame.top + frame.bottom) / 2;
