@@ -123,6 +123,76 @@ A2RT_AVX2 std::uint32_t test_block(const QBoxTester::Tables& tables, const Group
   return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_cmp_ps(near, far, _CMP_LE_OQ)));
 }
 
+// The default's kernel: at most 8-bit planes, k = 1..4, conservative rounding. Near and far go
+// together, in the two 16-bit halves of each 32-bit lane: one integer multiply-add gives
+// magnitude * significand - loss and + gain, the exact integer whose product with the rate's unit
+// test_block computes in FP32; a maximum over (near, -far) serves both. Rays that lack the pairs
+// (parallel axes, extreme rates) take the general kernel.
+A2RT_AVX2 std::uint32_t test_pairs(const QBoxTester::Tables& tables, const GroupRay& ray,
+                                   const std::byte* block, float t_left, float* t_near) {
+  if (!ray.paired) [[unlikely]] {
+    return test_block<false, Columns::kShuffle, false>(tables, ray, block, t_left, t_near);
+  }
+  constexpr int kFarHalves = 0xAA;  // odd elements
+  constexpr std::size_t kHigh = 3 * QBoxTester::kWidth;
+  const __m256i zero = _mm256_setzero_si256();
+  // Keeps a negative far distance, which is a miss, and clamps the near one.
+  const __m256i least = _mm256_set1_epi32(std::numeric_limits<std::int32_t>::min());
+  const __m256i low_mask = _mm256_set1_epi16(static_cast<short>(tables.low_mask));
+  // A set top bit makes the shuffle give zero: only the low byte of each half is looked up.
+  const __m256i no_lookup = _mm256_set1_epi16(-0x8000);
+  __m256 first = _mm256_blend_ps(_mm256_setzero_ps(), _mm256_set1_ps(-t_left), kFarHalves);
+  __m256 second = first;
+  for (unsigned a = 0; a < 3; ++a) {
+    const bool negative = (ray.negative >> a & 1U) != 0;
+    const std::byte* low = block + a * QBoxTester::kWidth;
+    const auto* near_at = reinterpret_cast<const __m128i*>(low + (negative ? kHigh : 0));
+    const auto* far_at = reinterpret_cast<const __m128i*>(low + (negative ? 0 : kHigh));
+    const __m256i planes =
+        _mm256_cvtepu8_epi16(_mm_unpacklo_epi8(_mm_loadl_epi64(near_at), _mm_loadl_epi64(far_at)));
+    const __m256i distance = _mm256_sign_epi16(
+        _mm256_sub_epi16(planes, _mm256_set1_epi32(static_cast<int>(ray.origin_pair[a]))),
+        _mm256_set1_epi16(negative ? -1 : 1));
+    const __m256i index =
+        _mm256_or_si256(_mm256_and_si256(_mm256_max_epi16(distance, zero), low_mask), no_lookup);
+    const auto lookup = [&](const std::vector<std::int8_t>& bytes, std::uint32_t row) A2RT_AVX2 {
+      return _mm256_shuffle_epi8(_mm256_broadcastsi128_si256(_mm_loadu_si128(
+                                     reinterpret_cast<const __m128i*>(bytes.data()) + row)),
+                                 index);
+    };
+    const __m256i correction =
+        _mm256_blend_epi16(lookup(tables.near_bytes, ray.near_row[a]),
+                           lookup(tables.far_bytes, ray.far_row[a]), kFarHalves);
+    const __m256i magnitude = _mm256_max_epi16(distance, least);
+    const __m256i factor = _mm256_broadcastq_epi64(
+        _mm_loadl_epi64(reinterpret_cast<const __m128i*>(ray.factor_pair[a])));
+    const __m256 unit = _mm256_castsi256_ps(_mm256_broadcastq_epi64(
+        _mm_loadl_epi64(reinterpret_cast<const __m128i*>(ray.unit_pair[a]))));
+    const __m256i p = _mm256_madd_epi16(_mm256_unpacklo_epi16(magnitude, correction), factor);
+    const __m256i q = _mm256_madd_epi16(_mm256_unpackhi_epi16(magnitude, correction), factor);
+    first = _mm256_max_ps(_mm256_mul_ps(_mm256_cvtepi32_ps(p), unit), first);
+    second = _mm256_max_ps(_mm256_mul_ps(_mm256_cvtepi32_ps(q), unit), second);
+  }
+  const __m256i dropped = _mm256_set1_epi32(static_cast<int>(tables.dropped_bits));
+  const __m256i near_bits =
+      _mm256_castps_si256(_mm256_shuffle_ps(first, second, _MM_SHUFFLE(2, 0, 2, 0)));
+  const __m256i far_bits = _mm256_add_epi32(
+      _mm256_castps_si256(_mm256_xor_ps(_mm256_shuffle_ps(first, second, _MM_SHUFFLE(3, 1, 3, 1)),
+                                        _mm256_set1_ps(-0.0F))),
+      dropped);
+  const __m256 near = _mm256_castsi256_ps(_mm256_andnot_si256(dropped, near_bits));
+  const __m256 far = _mm256_castsi256_ps(_mm256_andnot_si256(dropped, far_bits));
+  _mm256_storeu_ps(t_near, near);
+  return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_cmp_ps(near, far, _CMP_LE_OQ)));
+}
+
+// Distances of planes and origins fit 16 bits.
+bool fits_pairs(const A2rtPrecision& precision) {
+  return precision.box_bits <= 8 && precision.multiplier_columns >= 1 &&
+         precision.multiplier_columns <= 4 && precision.rounding == QuantRounding::kConservative &&
+         precision.min_origin() > -0x4000 && precision.max_origin() < 0x4000;
+}
+
 template <bool kWide, Columns kColumns>
 QBoxTester::Kernel pick_rounding(QuantRounding rounding) {
   return rounding == QuantRounding::kNearest ? &test_block<kWide, kColumns, true>
@@ -145,6 +215,9 @@ QBoxTester::Kernel vector_kernel(const A2rtPrecision& precision) {
   const bool fits = precision.direction.fp32_range() && precision.direction.significand_bits <= 10;
   if (!fits || !has_avx2()) {
     return nullptr;
+  }
+  if (fits_pairs(precision)) {
+    return &test_pairs;
   }
   return precision.box_bits > 8 ? pick_columns<true>(precision) : pick_columns<false>(precision);
 }

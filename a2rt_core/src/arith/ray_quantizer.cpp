@@ -239,6 +239,7 @@ GroupEntry RayQuantizer::enter_scalar(const QuantizerRay& ray, const GroupFrame&
   }
   out.t_shift = t_shift;
   out.negative = ray.negative;
+  out.paired = false;
   if (precision_.multiplier_columns > 0 && precision_.direction.fp32_range()) {
     set_tables(out);
   }

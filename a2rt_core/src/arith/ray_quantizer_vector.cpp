@@ -32,6 +32,32 @@ __m128 load_scale(const GroupFrame& frame) {
   return _mm_shuffle_ps(last_four, last_four, _MM_SHUFFLE(3, 3, 2, 1));
 }
 
+// Near and far of the three axes side by side: x near, x far, y near, ...
+void store_pairs(float* out, __m128 near, __m128 far) {
+  _mm_storeu_ps(out, _mm_unpacklo_ps(near, far));
+  _mm_storeu_ps(out + 4, _mm_unpackhi_ps(near, far));
+}
+
+// What the paired kernel reads, from the fields already filled. Origins fit 16 bits where that
+// kernel is chosen.
+void store_for_pairs(const VectorQuantizer& q, GroupRay& out) {
+  const __m128i near_origin = _mm_cvtps_epi32(_mm_load_ps(out.near_origin));
+  const __m128i far_origin = _mm_cvtps_epi32(_mm_load_ps(out.far_origin));
+  _mm_store_si128(reinterpret_cast<__m128i*>(out.origin_pair),
+                  _mm_or_si128(_mm_and_si128(near_origin, _mm_set1_epi32(0xFFFF)),
+                               _mm_slli_epi32(far_origin, 16)));
+  const auto load = [](const std::uint32_t* row) {
+    return _mm_load_si128(reinterpret_cast<const __m128i*>(row));
+  };
+  const int hidden = 1 << (q.significand_bits - 1);
+  const __m128i near_factor = _mm_or_si128(load(out.near_row), _mm_set1_epi32(hidden | -0x10000));
+  const __m128i far_factor = _mm_or_si128(load(out.far_row), _mm_set1_epi32(hidden | 0x10000));
+  store_pairs(reinterpret_cast<float*>(out.factor_pair), _mm_castsi128_ps(near_factor),
+              _mm_castsi128_ps(far_factor));
+  store_pairs(&out.unit_pair[0][0], _mm_load_ps(out.near_unit),
+              _mm_xor_ps(_mm_load_ps(out.far_unit), _mm_set1_ps(-0.0F)));
+}
+
 void store_tables(const VectorQuantizer& q, __m128 rate, float* unit, std::uint32_t* row) {
   // 2^(1 - p) as a number; the rate's exponent alone times it is its last place.
   const float last_place =
@@ -100,9 +126,11 @@ VectorQuantizer::Result VectorQuantizer::enter(const QuantizerRay& ray, const Gr
   if (tables) {
     store_tables(*this, near, out.near_unit, out.near_row);
     store_tables(*this, far, out.far_unit, out.far_row);
+    store_for_pairs(*this, out);
   }
   out.t_shift = t_shift;
   out.negative = ray.negative;
+  out.paired = tables;
   return Result::kQuantized;
 }
 

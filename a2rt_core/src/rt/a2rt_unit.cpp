@@ -32,7 +32,9 @@ A2rtUnit::A2rtUnit(const config::Section& section, const std::string& name,
       group_bytes_(bvh::a2rt_group_bytes(quantizer_.precision())),
       sub_bytes_(bvh::a2rt_sub_bytes(quantizer_.precision())),
       refetch_group_(section.table("layout").boolean(
-          "refetch_group", true, "Read a group's record again when it is popped")),
+          "refetch_group", true,
+          "A group popped from the stack is read again: its box and scales have left the unit. "
+          "false: they wait beside the stack entry, at no cost")),
       literal_(quantizer_.precision().origin == arith::OriginDesign::kLiteral) {
   if (!precision().conservative()) {
     info_.promise = Promise::kMayMiss;

@@ -15,8 +15,8 @@ const char* name_of(EventKind kind) {
 
 const char* name_of(Traffic traffic) {
   static constexpr std::array<const char*, static_cast<std::size_t>(Traffic::kCount)> kNames = {
-      "none",     "node", "group_node", "sub_node", "anchor",
-      "triangle", "aabb", "instance",   "stack",    "shader"};
+      "none", "node",     "group_node", "sub_node", "anchor",          "triangle",
+      "aabb", "instance", "stack",      "shader",   "primitive_index", "result"};
   return kNames.at(static_cast<std::size_t>(traffic));
 }
 

@@ -51,7 +51,12 @@ Primitives arrange_primitives(const Blas& blas, const bvh::WideBvh& bvh,
       result.triangles.emplace_back(blas.triangles[slot]);
     }
     result.triangles.emplace_back();
-    result.data = space.reserve(name + " triangles", Bytes{n * sizeof(Triangle)});
+    if (layout.mesh_order) {
+      result.mesh_slots = bvh.order;
+    }
+    result.data =
+        space.reserve(name + " triangles",
+                      Bytes{(layout.mesh_order ? blas.triangles.size() : n) * sizeof(Triangle)});
   }
   result.id_data = space.reserve(name + " ids", Bytes{n * layout.id_bytes});
   return result;

@@ -32,4 +32,23 @@ UnitSettings read_unit_settings(const config::Section& section, std::int64_t def
   return s;
 }
 
+void adopt_accounting(const config::Section& section, UnitSettings& settings,
+                      Accounting default_accounting) {
+  static constexpr const char* kNames[] = {"records", "published", "corrected"};
+  const std::string name = section.table("layout").choice(
+      "accounting", kNames[static_cast<std::size_t>(default_accounting)],
+      {kNames[0], kNames[1], kNames[2]},
+      "Memory accesses: the records read, as AQB8's public code charges them, or that without its "
+      "slips");
+  settings.layout.accounting = name == kNames[0]   ? Accounting::kRecords
+                               : name == kNames[1] ? Accounting::kPublished
+                                                   : Accounting::kCorrected;
+  if (settings.layout.accounting == Accounting::kRecords) {
+    return;
+  }
+  settings.traversal.leaves_at_once = true;
+  settings.traversal.far_first = true;
+  settings.traversal.retest_on_pop = false;
+}
+
 }  // namespace a2rt::rt

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 #include "runs.h"
 
@@ -56,6 +57,27 @@ TEST_P(Stream, NothingIsPoppedThatWasNotPushedAndOneTestFollowsEveryRead) {
       saved += e.kind == EventKind::kContextPush ? 1 : e.kind == EventKind::kContextPop ? -1 : 0;
       EXPECT_GE(depth, 0);
       EXPECT_GE(saved, 0);
+    }
+  }
+}
+
+TEST(PublishedStream, EveryLineChargedBelongsToARegion) {
+  const Workload w = scene(Shape::kTorus, 500, 5);
+  for (const char* toml : {"[layout]\naccounting = \"published\"", "artifact = true"}) {
+    const auto unit = built(toml[0] == 'a' ? "aqb8" : "baseline", w, toml);
+    const std::vector<MemoryRegion> regions = unit->regions();
+    std::vector<Event> events;
+    for (const Ray& ray : w.rays) {
+      unit->trace({&ray, {}}, events);
+    }
+    for (const Event& e : events) {
+      if (e.kind == EventKind::kFetch) {
+        // Whole lines: they may begin before a region and end after it (and by the strict rule lie
+        // just behind it).
+        EXPECT_TRUE(std::any_of(regions.begin(), regions.end(), [&](const MemoryRegion& r) {
+          return e.address + 64 >= r.base.value && e.address <= r.base.value + r.bytes.value;
+        }));
+      }
     }
   }
 }
@@ -122,6 +144,80 @@ TEST(Traffic, Aqb8ArtifactChargesWholeLinesAndTestsUnrelatedSlots) {
   EXPECT_EQ(bytes(artifact, Traffic::kSubNode) % 64, 0U);
   EXPECT_EQ(bytes(artifact, Traffic::kAnchor) % 64, 0U);
   EXPECT_GT(count(artifact, EventKind::kQBoxTest), count(right, EventKind::kQBoxTest));
+}
+
+std::uint64_t accesses(const EventTotals& t, Traffic kind) {
+  return t.traffic[static_cast<std::size_t>(kind)].accesses;
+}
+
+// The slips of AQB8's public code, each by its own mark; source of the averages: lines that records
+// of these sizes cover at every offset they can have.
+TEST(PublishedAccounting, BaselineDropsANodeLineAndWritesPerTriangleTested) {
+  const Workload w = scene(Shape::kTorus, 3000);
+  const EventTotals published = totals("baseline", w, "[layout]\naccounting = \"published\"");
+  const EventTotals corrected = totals("baseline", w, "[layout]\naccounting = \"corrected\"");
+  const std::uint64_t tests = count(published, EventKind::kTriangleTest);
+  // Same structures, same order of visits.
+  EXPECT_EQ(tests, count(corrected, EventKind::kTriangleTest));
+  EXPECT_EQ(count(published, EventKind::kBoxTest), count(corrected, EventKind::kBoxTest));
+  // 3 or 4 lines a node, one of them forgotten.
+  const std::uint64_t visits =
+      accesses(corrected, Traffic::kNode) - accesses(published, Traffic::kNode);
+  EXPECT_GT(accesses(published, Traffic::kNode), 2 * visits);
+  EXPECT_LT(accesses(published, Traffic::kNode), 3 * visits);
+  // An index of 4 bytes spills into the next line by the strict rule at 1 of 16 offsets.
+  EXPECT_GT(accesses(published, Traffic::kPrimitiveIndex), tests);
+  EXPECT_LT(accesses(published, Traffic::kPrimitiveIndex), tests + tests / 8);
+  EXPECT_EQ(accesses(published, Traffic::kResult), accesses(published, Traffic::kPrimitiveIndex));
+  EXPECT_GT(accesses(corrected, Traffic::kResult), 0U);
+  EXPECT_LT(accesses(corrected, Traffic::kResult), tests / 2);
+  EXPECT_EQ(accesses(corrected, Traffic::kResult), accesses(corrected, Traffic::kPrimitiveIndex));
+  EXPECT_NEAR(static_cast<double>(accesses(published, Traffic::kTriangle)),
+              1.5625 * static_cast<double>(tests), 0.06 * static_cast<double>(tests));
+}
+
+TEST(PublishedAccounting, Aqb8AliasesItsNodesAndWritesOncePerHit) {
+  const Workload w = scene(Shape::kTorus, 3000);
+  // Cheap anchors, so that there are many clusters to lie on one another.
+  const std::string many = "artifact = true\n[clusters]\nt_switch = 0.05\n";
+  const std::string artifact = many + "[layout]\naccounting = ";
+  const EventTotals published = totals("aqb8", w, artifact + "\"published\"");
+  const EventTotals corrected = totals("aqb8", w, artifact + "\"corrected\"");
+  EXPECT_EQ(published, totals("aqb8", w, many));
+  EXPECT_EQ(count(published, EventKind::kQBoxTest), count(corrected, EventKind::kQBoxTest));
+  std::uint64_t hits = 0;
+  for (const Hit& h : hits_of(*built("aqb8", w, many), w)) {
+    hits += h.state == HitState::kHit ? 1U : 0U;
+  }
+  EXPECT_EQ(accesses(corrected, Traffic::kResult), hits);
+  EXPECT_GE(accesses(published, Traffic::kResult), hits);
+  EXPECT_LT(accesses(published, Traffic::kResult), hits + hits / 4 + 2);
+  // The published nodes of all clusters lie on those of the largest: fewer distinct lines.
+  const auto distinct = [&](const std::string& accounting) {
+    const auto unit = built("aqb8", w, artifact + accounting);
+    std::vector<Event> events;
+    for (const Ray& ray : w.rays) {
+      unit->trace({&ray, {}}, events);
+    }
+    std::set<std::uint64_t> lines;
+    for (const Event& e : events) {
+      if (e.kind == EventKind::kFetch && e.traffic == Traffic::kSubNode) {
+        lines.insert(e.address);
+      }
+    }
+    return lines.size();
+  };
+  EXPECT_LT(distinct("\"published\""), distinct("\"corrected\""));
+  EXPECT_THROW(built("aqb8", w, artifact + "\"records\""), UserError);
+}
+
+TEST(PublishedAccounting, ChangesNoHit) {
+  const Workload w = scene(Shape::kSoup, 500, 3);
+  for (const char* accounting : {"published", "corrected"}) {
+    const auto unit =
+        built("baseline", w, std::string("[layout]\naccounting = \"") + accounting + "\"");
+    EXPECT_EQ(differences(w, hits_of(*unit, w)), 0U);
+  }
 }
 
 TEST(Traffic, CwbvhReadsOneNodePerVisit) {

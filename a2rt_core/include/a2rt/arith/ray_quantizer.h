@@ -36,8 +36,15 @@ struct alignas(32) GroupRay {
   // place of the rate (0 for infinite and zero rates) and its significand without the hidden bit.
   float near_unit[4] = {}, far_unit[4] = {};
   std::uint32_t near_row[4] = {}, far_row[4] = {};
+  // The same for the paired kernel, near in the low half and far in the high one: origins as 16-bit
+  // integers; significands with the hidden bit, and in the upper 16 bits the sign of their
+  // correction; units, the far one negated. Valid if `paired`.
+  std::uint32_t origin_pair[4] = {};
+  std::uint32_t factor_pair[4][2] = {};
+  float unit_pair[4][2] = {};
   float t_shift = 0;
   std::uint8_t negative = 0;  // bit a: the near plane is hi
+  bool paired = false;
 };
 
 enum class GroupEntry : std::uint8_t {

@@ -179,11 +179,20 @@ class A2rtUnit {
     float near[bvh::kMaxWidth];
     const std::uint32_t hit =
         subs & tester_.test(context.ray, tree.planes(node), context.left, near);
+    // Lower bound of shift + near in real numbers: the sum errs by half a unit in the last place.
+    const auto key = [shift](float t) {
+      const float sum = shift + t;
+      return sum - std::fabs(sum) * 0x1p-23F;
+    };
+    if (node.group_count == 0) {
+      for (std::size_t s = 0; s < bvh::kMaxWidth; ++s) {  // all at once; misses are not looked at
+        keys[s] = key(near[s]);
+      }
+      return hit;
+    }
     for (std::uint32_t rest = hit; rest != 0; rest &= rest - 1) {
       const auto s = static_cast<std::size_t>(std::countr_zero(rest));
-      // Lower bound of shift + near in real numbers: the sum errs by half a unit in the last place.
-      const float sum = shift + near[s];
-      keys[s] = sum - std::fabs(sum) * 0x1p-23F;
+      keys[s] = key(near[s]);
     }
     return hit;
   }

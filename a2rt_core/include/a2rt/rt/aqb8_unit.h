@@ -99,8 +99,9 @@ class Aqb8Unit {
                     float closest, Sink& sink) const {
     const arith::Aqb8Anchor& anchor = tree.anchor(cluster);
     if constexpr (Sink::kEmits) {
-      if (artifact_) {
-        fetch_artifact_lines(sink, Traffic::kAnchor, anchor_address(tree, cluster), anchor_bytes_);
+      if (by_lines()) {
+        fetch_lines(sink, settings_.layout.accounting, Traffic::kAnchor,
+                    anchor_address(tree, cluster), anchor_bytes_);
       } else {
         sink.fetch(Traffic::kAnchor, anchor_address(tree, cluster), anchor_bytes_);
       }
@@ -136,12 +137,12 @@ class Aqb8Unit {
 
   template <class Sink>
   void emit_visit(const Tree& tree, const Aqb8Node& node, std::uint32_t slots, Sink& sink) const {
-    if (artifact_) {
+    if (by_lines()) {
       // The public code forgets node_offset: every cluster's nodes lie on the first one's.
-      const std::uint32_t local = node.first - tree.cluster(node.cluster).node_offset;
-      fetch_artifact_lines(sink, Traffic::kSubNode,
-                           tree.node_base() + Bytes{std::uint64_t{local} * kArtifactNodeBytes},
-                           kArtifactNodeBytes);
+      const bool aliased = settings_.layout.accounting == Accounting::kPublished;
+      const std::uint32_t at = node.first - (aliased ? tree.cluster(node.cluster).node_offset : 0U);
+      fetch_lines(sink, settings_.layout.accounting, Traffic::kSubNode,
+                  tree.node_base() + Bytes{std::uint64_t{at} * node_bytes_}, node_bytes_);
     } else {
       sink.fetch(Traffic::kSubNode,
                  tree.node_base() + Bytes{std::uint64_t{node.first} * node_bytes_},
@@ -155,6 +156,8 @@ class Aqb8Unit {
     const bvh::Cluster& c = tree.cluster(node.cluster);
     return std::min(settings_.tree.branching, c.node_offset + c.node_count - node.first);
   }
+
+  bool by_lines() const { return settings_.layout.accounting != Accounting::kRecords; }
 
   Address anchor_address(const Tree& tree, std::uint32_t cluster) const {
     return tree.anchor_base() + Bytes{std::uint64_t{cluster} * anchor_bytes_};

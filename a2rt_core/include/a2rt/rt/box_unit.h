@@ -5,6 +5,7 @@
 #include <string>
 
 #include "a2rt/arith/slab.h"
+#include "a2rt/rt/accounting.h"
 #include "a2rt/rt/box_tree.h"
 #include "a2rt/rt/event.h"
 #include "a2rt/rt/settings.h"
@@ -38,7 +39,12 @@ class BoxUnit {
                      float closest, Key* keys, Sink& sink) const {
     const BoxNode& node = tree.node(index);
     if constexpr (Sink::kEmits || Sink::kAudits) {
-      sink.fetch(Traffic::kNode, tree.base() + Bytes{node.fetch_offset}, node.fetch_bytes);
+      const Address at = tree.base() + Bytes{node.fetch_offset};
+      if (settings_.layout.accounting == Accounting::kRecords) {
+        sink.fetch(Traffic::kNode, at, node.fetch_bytes);
+      } else {
+        fetch_wide_node(sink, settings_.layout.accounting, at);
+      }
       if (node.dequantized) {
         sink.count(EventKind::kDequantize, node.count);
       }

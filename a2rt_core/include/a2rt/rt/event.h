@@ -20,7 +20,10 @@ enum class Traffic : std::uint8_t {
   kInstance = 7,  // transform and BLAS reference
   kStack = 8,     // spilled stack entries (emitted by timing)
   kShader = 9,    // shader loads and stores (emitted by timing)
-  kCount = 10
+  // Only in the accounting of AQB8's public code (rt/settings.h):
+  kPrimitiveIndex = 10,  // from leaf order to mesh order
+  kResult = 11,          // a hit record: written, and nothing waits for it
+  kCount = 12
 };
 
 enum class EventKind : std::uint8_t {

@@ -32,6 +32,8 @@ struct Primitives {
   std::vector<Box> aabbs;       // leaf order
   HugeVector<PrimitiveId> ids;  // leaf order
   Address data, id_data;        // of slot 0
+  // Slot in mesh order per leaf slot; only where triangles are charged in mesh order.
+  std::vector<std::uint32_t> mesh_slots;
   bool procedural = false;
 };
 

@@ -21,14 +21,21 @@ struct TraversalSettings {
   bool far_first = false;
 };
 
+// What a record's access is charged as.
+enum class Accounting : std::uint8_t {
+  kRecords,    // the bytes read, adjacent records in one read
+  kPublished,  // as AQB8's public branches of Vulkan-Sim do, with their slips: see accounting.h
+  kCorrected   // the same structures and order of visits, every 64-byte line counted once
+};
+
 struct LayoutSettings {
   std::uint32_t region_alignment = 128;  // bytes; structures start at multiples of it
   std::uint32_t sibling_alignment = 1;   // bytes; children of a node start at multiples of it
   std::uint32_t instance_bytes = 64;     // transform 48, BLAS 8, mask, flags, ids
   std::uint32_t id_bytes = 8;            // geometry and primitive id, read once per hit reported
-  // Primitive records are charged as AQB8's public code does: one per triangle test, in whole 64-B
-  // lines, and at the end the hit triangle once more with its 4-B index.
-  bool artifact_records = false;
+  Accounting accounting = Accounting::kRecords;
+  // With kPublished: triangles lie in mesh order behind an array of 4-byte primitive indices.
+  bool mesh_order = false;
 };
 
 struct UnitSettings {
@@ -41,5 +48,10 @@ struct UnitSettings {
 // `most_leaf` what its records can hold.
 UnitSettings read_unit_settings(const config::Section& section, std::int64_t default_leaf = 7,
                                 std::int64_t most_leaf = bvh::kMaxLeaf);
+
+// Reads layout.accounting (default: records) for the units that AQB8's public code has, and with
+// the other two also takes over its order of visits.
+void adopt_accounting(const config::Section& section, UnitSettings& settings,
+                      Accounting default_accounting = Accounting::kRecords);
 
 }  // namespace a2rt::rt

@@ -25,6 +25,7 @@
 
 #include "a2rt/arith/slab.h"
 #include "a2rt/bvh/child_ref.h"
+#include "a2rt/rt/accounting.h"
 #include "a2rt/rt/candidates.h"
 #include "a2rt/rt/fast_triangle.h"
 #include "a2rt/rt/scene.h"
@@ -38,18 +39,6 @@ namespace a2rt::rt {
 inline constexpr unsigned kMostDepth = 48;
 inline constexpr unsigned kStackEntries = kMostDepth * (bvh::kMaxWidth - 1) + 1;
 
-// One record as AQB8's public code charges it: the 64-B line it starts in, and the next one unless
-// more bytes than the record's are left in the first.
-template <class Sink>
-void fetch_artifact_lines(Sink& sink, Traffic traffic, Address record, std::uint64_t bytes) {
-  constexpr std::uint64_t kLine = 64;
-  const Address line{record.value / kLine * kLine};
-  sink.fetch(traffic, line, kLine);
-  if (kLine - (record.value - line.value) <= bytes) {
-    sink.fetch(traffic, line + Bytes{kLine}, kLine);
-  }
-}
-
 template <class Unit>
 struct Structures {
   std::vector<typename Unit::Tree> tlas, blas;
@@ -57,6 +46,13 @@ struct Structures {
   std::vector<Primitives> primitives;  // per BLAS
   TraversalSettings traversal;
   LayoutSettings layout;
+  // Some shader or ray query of the program judges candidates; without one, a candidate is accepted
+  // and never leaves the unit.
+  bool judges_candidates = true;
+  // Hit records, one per ray of the workload; only with Accounting::kPublished or kCorrected.
+  const Ray* first_ray = nullptr;
+  std::size_t ray_count = 0;
+  Address results;
 };
 
 template <class Unit, class Sink>
@@ -334,14 +330,20 @@ class Traversal {
   }
 
   void fetch_triangles(const Primitives& primitives, ChildRef leaf) {
-    const Address first = primitives.data + Bytes{leaf.first() * sizeof(Triangle)};
-    if (!s_.layout.artifact_records) {
-      sink_.fetch(Traffic::kTriangle, first, leaf.count() * sizeof(Triangle));
+    if (s_.layout.accounting == Accounting::kRecords) {
+      sink_.fetch(Traffic::kTriangle, triangle_address(primitives, leaf.first()),
+                  leaf.count() * sizeof(Triangle));
       return;
     }
-    for (std::uint32_t i = 0; i < leaf.count(); ++i) {
-      fetch_artifact_lines(sink_, Traffic::kTriangle, first + Bytes{i * sizeof(Triangle)},
-                           sizeof(Triangle));
+    for (std::uint32_t i = leaf.first(); i < leaf.first() + leaf.count(); ++i) {
+      if (primitives.mesh_slots.empty()) {
+        fetch_lines(sink_, s_.layout.accounting, Traffic::kTriangle,
+                    triangle_address(primitives, i), sizeof(Triangle));
+      } else {
+        fetch_index(sink_, s_.layout.accounting, index_address(primitives, i), result_address());
+        fetch_lines(sink_, s_.layout.accounting, Traffic::kTriangle,
+                    triangle_address(primitives, primitives.mesh_slots[i]), sizeof(Triangle));
+      }
     }
   }
 
@@ -358,7 +360,7 @@ class Traversal {
       return false;
     }
     bool last = (ray_.flags & kRayTerminateOnFirstHit) != 0;
-    if (!opaque) {
+    if (!opaque && (s_.judges_candidates || !candidates_.empty())) {
       const Verdict v = any_hit_verdict(candidates_, instance_index_, id.geometry(), id.primitive);
       if constexpr (Sink::kEmits) {
         sink_.fetch(Traffic::kTriangle, id_address(primitives, slot), s_.layout.id_bytes);
@@ -430,19 +432,35 @@ class Traversal {
     const PrimitiveId id = primitives.ids[slot];
     closest_ = t;
     hit_ = {HitState::kHit, t, instance_index_, id.geometry(), id.primitive, kind};
-    hit_ids_ = id_address(primitives, slot);
-    hit_data_ = primitives.data + Bytes{slot * sizeof(Triangle)};
+    hit_primitives_ = &primitives;
+    hit_slot_ = slot;
   }
 
   void fetch_hit() {
-    if (!s_.layout.artifact_records) {
-      sink_.fetch(Traffic::kTriangle, hit_ids_, s_.layout.id_bytes);
+    const Primitives& primitives = *hit_primitives_;
+    if (s_.layout.accounting == Accounting::kRecords) {
+      sink_.fetch(Traffic::kTriangle, id_address(primitives, hit_slot_), s_.layout.id_bytes);
       return;
     }
-    fetch_artifact_lines(sink_, Traffic::kTriangle, hit_data_, sizeof(Triangle));
-    fetch_artifact_lines(sink_, Traffic::kTriangle, hit_ids_, 4);
+    if (!primitives.mesh_slots.empty()) {
+      return;  // the public baseline has charged the index, and written, at each test
+    }
+    fetch_lines(sink_, s_.layout.accounting, Traffic::kTriangle,
+                triangle_address(primitives, hit_slot_), sizeof(Triangle));
+    fetch_index(sink_, s_.layout.accounting, index_address(primitives, hit_slot_),
+                result_address());
   }
 
+  static Address triangle_address(const Primitives& primitives, std::uint32_t slot) {
+    return primitives.data + Bytes{slot * sizeof(Triangle)};
+  }
+  static Address index_address(const Primitives& primitives, std::uint32_t slot) {
+    return primitives.id_data + Bytes{std::uint64_t{slot} * kPublishedIndexBytes};
+  }
+  Address result_address() const {
+    const auto ray = static_cast<std::size_t>(&ray_ - s_.first_ray);
+    return s_.results + Bytes{(ray < s_.ray_count ? ray : 0) * kPublishedResultBytes};
+  }
   Address id_address(const Primitives& primitives, std::uint32_t slot) const {
     return primitives.id_data + Bytes{std::uint64_t{slot} * s_.layout.id_bytes};
   }
@@ -468,7 +486,8 @@ class Traversal {
   std::uint32_t instance_index_ = 0;
   float closest_ = 0;
   Hit hit_;
-  Address hit_ids_, hit_data_;
+  const Primitives* hit_primitives_ = nullptr;
+  std::uint32_t hit_slot_ = 0;
 };
 
 }  // namespace a2rt::rt

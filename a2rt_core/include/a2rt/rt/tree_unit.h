@@ -16,6 +16,7 @@
 #include "a2rt/bvh/instance_boxes.h"
 #include "a2rt/rt/traversal.h"
 #include "a2rt/rt/unit.h"
+#include "a2rt/workload/parts.h"
 
 namespace a2rt::rt {
 
@@ -68,6 +69,13 @@ class TreeUnit final : public RtUnit {
           tree.order.size() * (blas.procedural() ? sizeof(Box) : sizeof(Triangle));
     }
     build_tops(workload, settings, object_boxes, space);
+    s_.judges_candidates = judges_candidates(workload);
+    if (settings.layout.accounting != Accounting::kRecords) {
+      s_.first_ray = workload.rays.data();
+      s_.ray_count = workload.rays.size();
+      s_.results = space.reserve(
+          "hit records", Bytes{std::max<std::size_t>(1, s_.ray_count) * kPublishedResultBytes});
+    }
     regions_ = space.regions();
   }
 

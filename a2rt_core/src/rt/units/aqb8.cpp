@@ -68,10 +68,12 @@ Aqb8Unit::Aqb8Unit(const config::Section& section)
   if (artifact_) {
     anchor_bytes_ = kArtifactAnchorBytes;
     node_bytes_ = kArtifactNodeBytes;
-    settings_.layout.artifact_records = true;
-    settings_.traversal.leaves_at_once = true;
-    settings_.traversal.far_first = true;
-    settings_.traversal.retest_on_pop = false;
+    adopt_accounting(section, settings_, Accounting::kPublished);
+    if (settings_.layout.accounting == Accounting::kRecords) {
+      throw UserError(
+          "aqb8 with artifact = true has overlapping node records, which are charged in "
+          "lines; set layout.accounting to published or corrected");
+    }
   }
 }
 

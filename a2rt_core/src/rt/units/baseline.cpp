@@ -13,7 +13,10 @@ class Baseline : public BoxUnit {
                  Promise::kExact},
                 read_unit_settings(section)),
         node_bytes_(static_cast<std::uint32_t>(section.table("layout").integer(
-            "node_bytes", 56, bvh::kFp32RecordLeast, 4096, "bytes", "Record of one box"))) {}
+            "node_bytes", 56, bvh::kFp32RecordLeast, 4096, "bytes", "Record of one box"))) {
+    adopt_accounting(section, settings_);
+    settings_.layout.mesh_order = settings_.layout.accounting == Accounting::kPublished;
+  }
 
   BoxTree encode(bvh::WideBvh& tree, const std::string& name, bvh::AddressSpace& space,
                  StructureStats& stats) const {
@@ -22,13 +25,18 @@ class Baseline : public BoxUnit {
       bvh::Fp32Layout layout =
           bvh::encode_fp32(tree, node_bytes_, settings_.layout.sibling_alignment, name);
       result = BoxTree::mirror(tree, {});
+      // The public code's node holds its children's boxes; here only its size and place matter.
+      const bool wide = settings_.layout.accounting != Accounting::kRecords;
       for (std::uint32_t n = 0; n < result.node_count(); ++n) {
         BoxNode& node = result.mutable_node(n);
-        node.fetch_offset = layout.offset[node.first_record];
-        node.fetch_bytes = node.count * node_bytes_;
+        node.fetch_offset =
+            wide ? n * kPublishedBaselineNodeBytes : layout.offset[node.first_record];
+        node.fetch_bytes = wide ? kPublishedBaselineNodeBytes : node.count * node_bytes_;
       }
-      stats.node_bytes += layout.bytes.size();
-      const Address base = space.reserve(name + " nodes", Bytes{layout.bytes.size()});
+      const std::uint64_t bytes =
+          wide ? result.node_count() * kPublishedBaselineNodeBytes : layout.bytes.size();
+      stats.node_bytes += bytes;
+      const Address base = space.reserve(name + " nodes", Bytes{bytes});
       result.set_memory(std::move(layout.bytes), base);
     });
     return result;
