@@ -21,6 +21,7 @@
 #include "a2rt/workload/file.h"
 #include "command.h"
 #include "gpu_option.h"
+#include "parts_json.h"
 #include "progress.h"
 #include "simulate_print.h"
 #include "unit_option.h"
@@ -30,7 +31,7 @@ namespace {
 
 struct Options {
   std::string workload, unit = "a2rt", unit_config, gpu = "table1", output, heatmap;
-  std::string comparison = "same-count", energy_table;
+  std::string comparison = "same-count", energy_table, parts = "auto";
   std::vector<std::string> set;
   std::vector<std::uint32_t> frames;
   double sample = 1;
@@ -46,6 +47,7 @@ struct Run {
   std::optional<timing::SamplePlan> plan;
   std::optional<timing::Estimate> estimate;
   std::optional<std::uint64_t> full_cycles;
+  std::string whole_because;  // why all warps were run although a sample was asked for
 };
 
 Run run(const Options& options, const Workload& workload, timing::RaySource& source,
@@ -56,9 +58,17 @@ Run run(const Options& options, const Workload& workload, timing::RaySource& sou
   simulation.progress = [&](double share) { progress.show(share, "simulating " + options.unit); };
   if (options.sample < 1) {
     const auto warps = timing::list_warps(workload, options.frames);
-    run.plan = timing::plan_sample(timing::warp_costs(workload, source, warps, kProxyLaneStep),
-                                   options.sample, options.seed);
-    simulation.warps = run.plan->warps;
+    run.plan =
+        timing::plan_sample(warps, timing::warp_costs(workload, source, warps, kProxyLaneStep),
+                            options.sample, options.seed);
+    run.whole_because = timing::why_not_representative(*run.plan, machine);
+    if (run.whole_because.empty()) {
+      simulation.warps = run.plan->warps;
+    } else {
+      run.plan.reset();
+      std::fprintf(stderr, "a2rt-core simulate: all warps are run: %s\n",
+                   run.whole_because.c_str());
+    }
   }
   run.result = timing::simulate(workload, source, machine, simulation);
   if (run.plan) {
@@ -72,6 +82,18 @@ Run run(const Options& options, const Workload& workload, timing::RaySource& sou
 }
 
 nlohmann::ordered_json sample_json(const Options& options, const Run& run) {
+  if (!run.plan) {
+    const std::uint64_t cycles = run.result.cycles.value;
+    return {{"fraction", 1.0},
+            {"asked", options.sample},
+            {"whole_because", run.whole_because},
+            {"warps", run.result.warps.size()},
+            {"warps_of", run.result.warps.size()},
+            {"cycles", cycles},
+            {"cycles_low", cycles},
+            {"cycles_high", cycles},
+            {"confidence", 0.95}};
+  }
   nlohmann::ordered_json json = {{"fraction", options.sample},
                                  {"seed", options.seed},
                                  {"warps", run.plan->warps.size()},
@@ -171,6 +193,16 @@ nlohmann::ordered_json area_json(const energy::TesterArea& area, energy::Design 
   return json;
 }
 
+// A machine without the testers that nothing in the workload calls for.
+void leave_out(const Parts& parts, timing::MachineConfig& machine) {
+  if (!parts.has(Part::kTransformUnit)) {
+    machine.rt.tester(timing::Tester::kTransform).count = 0;
+  }
+  if (!parts.has(Part::kTriangleTester)) {
+    machine.rt.tester(timing::Tester::kTriangle).count = 0;
+  }
+}
+
 int simulate(const Options& options) {
   const SplitSettings settings = split_settings(options.set);
   UnitChoice choice = choose_unit(options.unit, options.unit_config, settings.unit);
@@ -186,6 +218,9 @@ int simulate(const Options& options) {
   timing::MachineConfig machine = gpu.machine;
   const energy::TesterArea area = energy::apply_comparison(
       comparison, design, name == "cwbvh" || name == "clbvh", table, machine);
+  const Parts called_for = parts_called_for(workload);
+  const Parts parts = options.parts == "all" ? Parts::all() : called_for;
+  leave_out(parts, machine);
   Run done;
   {
     Progress progress;
@@ -214,6 +249,7 @@ int simulate(const Options& options) {
                  {"sms", machine.sm.count},
                  {"comparison", energy::comparison_name(comparison)}};
   json["config"] = config_json(choice, gpu, machine);
+  json["parts"] = parts_json(called_for, parts);
   json["structure"] = rt::structure_json(unit.structure());
   json["events"] = timing::events_json(result);
   json["memory"] = timing::memory_json(result);
@@ -221,7 +257,7 @@ int simulate(const Options& options) {
   json["area"] = area_json(area, design, table);
   json["energy"] = energy::ledger_json(ledger);
   add_shares(json, result, unit.structure());
-  if (done.plan) {
+  if (options.sample < 1) {
     json["sample"] = sample_json(options, done);
   }
   if (!options.heatmap.empty()) {
@@ -254,6 +290,9 @@ const RegisterCommand kCommand(
       app.add("--compare-counts", options->comparison,
               "Box testers: same-count, same-area (both against the A2RT engine), or config")
           .check(cli::one_of({"config", "same-count", "same-area"}));
+      app.add("--parts", options->parts,
+              "Parts of the RT unit that are there: auto (what the workload calls for) or all")
+          .check(cli::one_of({"auto", "all"}));
       app.add("--frames", options->frames, "Only these frames").delimiter(',');
       app.add("--sample", options->sample, "Simulate this share of the warps and extrapolate")
           .check(cli::in_range(0.0001, 1.0));

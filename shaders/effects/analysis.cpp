@@ -71,7 +71,9 @@ float most(const Scene& scene, std::uint32_t texture, std::size_t channel) {
 
 void principled_calls(Calls& calls, const Scene& scene, const std::string& who, const Material& m) {
   const bool textured = m.metallic_roughness_texture != scene::kNoIndex;
-  if (m.metallic > 0 || m.roughness < 1 || textured) {
+  // What transmits reflects by its own Fresnel term, as part of refraction; the rest has a coat.
+  const bool coated = m.transmission < 1 || m.transmission_texture != scene::kNoIndex;
+  if (m.metallic > 0 || (coated && m.roughness < 1) || textured) {
     reflects(calls, who, m.roughness);
     if (textured && m.roughness > 0) {
       calls.add(gpu::kEffectMirror, who);  // a texel may be 0
@@ -81,7 +83,7 @@ void principled_calls(Calls& calls, const Scene& scene, const std::string& who, 
   if (m.transmission * most(scene, m.transmission_texture, 0) > 0 && !all_metal) {
     transmits(calls, who, m);
   }
-  if (!all_metal && (m.transmission < 1 || m.transmission_texture != scene::kNoIndex)) {
+  if (!all_metal && coated) {
     calls.add(gpu::kEffectDiffuse, who);
   }
 }

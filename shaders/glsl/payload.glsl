@@ -6,6 +6,11 @@ const uint kLobeDiffuse = 1;   // direct light may be gathered at this point
 const uint kLobeSpecular = 2;  // mirror, rough reflection
 const uint kLobeRefraction = 3;
 
+// What the ray that a lobe sends on is counted as.
+uint ray_kind(uint lobe) {
+  return lobe == kLobeDiffuse ? kRayBounce : lobe == kLobeSpecular ? kRayReflection : kRayRefraction;
+}
+
 struct PathPayload {
   vec3 origin;  // of the next ray
   float t;      // of the hit; -1: miss

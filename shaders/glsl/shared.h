@@ -63,7 +63,7 @@ A2RT_CONST uint kSpecLumibenchShadow = 2;
 
 // Ray kinds, counted when asked for.
 A2RT_CONST uint kRayPrimary = 0;
-A2RT_CONST uint kRayBounce = 1;
+A2RT_CONST uint kRayBounce = 1;  // from a diffuse hit
 A2RT_CONST uint kRayShadow = 2;
 A2RT_CONST uint kRayOcclusion = 3;
 A2RT_CONST uint kRayReflection = 4;

@@ -17,6 +17,7 @@ EXAMPLES = """  scripts/a2rt inspect forest
   scripts/a2rt inspect scene.glb --workload ao --effects all
   scripts/a2rt inspect w.h5
   scripts/a2rt inspect w.h5 --json
+  scripts/a2rt inspect forest --compare-effects --size 64x64 --spp 1 -o out/forest
 """
 NEED = Need.ENGINE
 
@@ -25,11 +26,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("what", metavar="SCENE|w.h5", help="a scene or a workload file")
     options.add_render(parser)
     parser.add_argument("--json", action="store_true", help="print JSON instead of tables")
+    group = parser.add_argument_group("what leaving out saves")
+    group.add_argument(
+        "--compare-effects",
+        action="store_true",
+        help="draw, capture and simulate with --effects auto and all, and compare",
+    )
+    group.add_argument("--unit", default="a2rt", metavar="U", help="unit to simulate (a2rt)")
+    group.add_argument("--gpu", default="table1", metavar="G", help="machine (table1)")
+    group.add_argument(
+        "-o", "--output", metavar="DIR", help="keep the comparison in DIR/savings.json"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
     from a2rt_cli.engine import effects, scenes
 
+    if args.compare_effects:
+        return _compare_effects(args)
     if scenes.is_workload_file(args.what):
         found = effects.of_workload(Path(args.what))
     else:
@@ -38,6 +52,28 @@ def run(args: argparse.Namespace) -> int:
         print(json.dumps(found, indent=1))
         return 0
     _print(args.what, found)
+    return 0
+
+
+def _compare_effects(args: argparse.Namespace) -> int:
+    import tempfile
+
+    from a2rt_cli import console, savings_table
+    from a2rt_cli.engine import savings, scenes
+    from a2rt_cli.errors import UserError
+
+    if scenes.is_workload_file(args.what):
+        raise UserError(f"{args.what}: a capture holds one choice of effects", "name a scene")
+    scene, render = scenes.find(args.what), options.render_options(args)
+    with tempfile.TemporaryDirectory() as folder:
+        row = savings.measure(scene, render, args.unit, args.gpu, Path(args.output or folder))
+    if args.output:
+        savings_table.save(Path(args.output), [row])
+    if args.json:
+        print(json.dumps(row, indent=1))
+        return 0
+    print(console.table(savings_table.COLUMNS, [savings_table.cells(row)]))
+    print(f"\n{savings_table.NOTE}\n\n{savings_table.sentence(row)}")
     return 0
 
 
@@ -58,3 +94,13 @@ def _print(name: str, found: dict) -> None:
         for effect in found["effects"]:
             if effect.get("why"):
                 print(f"  {effect['name']}: {effect['why']}")
+        lacking = [e["name"] for e in found["effects"] if e["needed"] and not e["built"]]
+        if lacking:
+            print(f"\nThe picture lacks: {', '.join(lacking)}.")
+    if found.get("parts"):
+        console.heading("parts of the machine")
+        rows = [
+            (p["part"], "used" if p["instantiated"] else "left out", p["why"])
+            for p in found["parts"]
+        ]
+        print(console.table(("part", "state", "why"), rows, left=3))
