@@ -196,7 +196,8 @@ def test_the_scatter_shows_every_configuration_of_the_chosen_scene(sweep):
 def test_pointing_at_a_point_names_it_and_a_click_shows_its_pictures(sweep):
     page = price_page.write(*sweep)
     script = """
-    const point = [...svg.querySelectorAll('.point')].find((p) => p.dataset.label.includes('nearest'));
+    const drawn = [...svg.querySelectorAll('.point')];
+    const point = drawn.find((p) => p.dataset.label.includes('nearest'));
     point.dispatchEvent(new Event('mouseenter'));
     point.dispatchEvent(new Event('click'));
     """
