@@ -106,7 +106,7 @@ def unit_rates(scenes: Sequence[Scene], cache: Path) -> list[dict[str, Any]]:
 def build_cost(scenes: Sequence[Scene], cache: Path) -> list[dict[str, Any]]:
     """What A²RT's classification and encoding add to Embree's build, in time and memory.
 
-    A process of its own: its peak is of one tree, and of the workload it was built from.
+    The memory is what the process grows by while the tree is built, Embree's own included.
     """
     rows = []
     for scene in scenes:
@@ -124,8 +124,8 @@ def build_cost(scenes: Sequence[Scene], cache: Path) -> list[dict[str, Any]]:
                 "embree_seconds": unit["build_seconds"],
                 "added_seconds": added,
                 "added_share": added / unit["build_seconds"],
-                "peak_bytes": found["peak_bytes"],
-                "bytes_per_primitive": found["peak_bytes"] / found["primitives"],
+                "peak_bytes": unit["build_peak_bytes"],
+                "bytes_per_primitive": unit["build_peak_bytes_per_primitive"],
             }
         )
     return rows
