@@ -286,8 +286,8 @@ Choice choose(const std::vector<Call>& calls, const std::string& selection) {
     }
     if ((wanted & call.effect.bit) != 0) {
       choice.built |= call.effect.bit;
-    } else {
-      choice.lacking.push_back(call.effect.name);
+    } else if (call.effect.bit != gpu::kEffectInstancing) {
+      choice.lacking.push_back(call.effect.name);  // copies look like instances
     }
   }
   return choice;

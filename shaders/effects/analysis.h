@@ -35,7 +35,7 @@ bool samples_emitters(const scene::Scene& scene, const workloads::WorkloadConfig
 struct Choice {
   std::uint32_t built = 0;           // effect bits
   std::uint32_t called_for = 0;      // by the scene, whatever is built
-  std::vector<std::string> lacking;  // needed but left out by the user's list
+  std::vector<std::string> lacking;  // seen in the picture but left out by the user's list
   bool has(std::uint32_t bit) const { return (built & bit) != 0; }
   // Built and called for: what may change geometry, flags or rays.
   bool uses(std::uint32_t bit) const { return (built & called_for & bit) != 0; }

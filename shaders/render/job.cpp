@@ -84,6 +84,24 @@ void summary(const ReportInput& in) {
                t.pipeline, t.median_frame(), t.frames.size());
 }
 
+// Without instancing every placement is a copy in memory.
+void check_copies(const scene::Scene& scene, const effects::Choice& choice, bool quiet) {
+  constexpr std::uint64_t kMost = 32'000'000;  // about 4 GB of vertices, indices and structures
+  const scene::Counts counts = scene::count(scene);
+  const bool copies =
+      (choice.called_for & gpu::kEffectInstancing) != 0 && !choice.has(gpu::kEffectInstancing);
+  if (copies && counts.drawn_triangles > kMost) {
+    throw UserError("scene '" + scene.name + "' has " + std::to_string(counts.drawn_triangles) +
+                    " triangles without instancing, more than " + std::to_string(kMost) +
+                    "; add instancing to --effects");
+  }
+  if (copies && !quiet) {
+    std::fprintf(stderr, "  without instancing: %llu triangles are stored instead of %llu\n",
+                 static_cast<unsigned long long>(counts.drawn_triangles),
+                 static_cast<unsigned long long>(counts.triangles));
+  }
+}
+
 void draw(const Options& options, const scene::Scene& scene) {
   const workloads::WorkloadConfig workload = choose_workload(scene, options);
   const auto calls = effects::analyse(scene, workload);
@@ -92,6 +110,7 @@ void draw(const Options& options, const scene::Scene& scene) {
     std::fputs(effects_json(calls, choice, workload).c_str(), stdout);
     return;
   }
+  check_copies(scene, choice, options.quiet);
   const scene::Camera camera = choose_camera(scene, options.camera);
   const Settings settings = make_settings(scene, workload, options);
   make_frame(scene, camera, workload, settings);  // a camera that sees nothing fails here

@@ -79,6 +79,7 @@ def _compare_effects(args: argparse.Namespace) -> int:
 
 def _print(name: str, found: dict) -> None:
     from a2rt_cli import console, results
+    from a2rt_cli.engine import effects
     from a2rt_cli.report.sections import effects_table
 
     facts = {k: v for k, v in results.flatten(found).items() if not isinstance(v, bool)}
@@ -94,7 +95,7 @@ def _print(name: str, found: dict) -> None:
         for effect in found["effects"]:
             if effect.get("why"):
                 print(f"  {effect['name']}: {effect['why']}")
-        lacking = [e["name"] for e in found["effects"] if e["needed"] and not e["built"]]
+        lacking = effects.lacking(found)
         if lacking:
             print(f"\nThe picture lacks: {', '.join(lacking)}.")
     if found.get("parts"):

@@ -60,6 +60,18 @@ def _derived(entry: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def lacking(found: dict[str, Any]) -> list[str]:
+    """Effects that the scene calls for, a list left out, and the picture shows the lack of.
+
+    Without instancing, copies are drawn: they look the same.
+    """
+    return [
+        e["name"]
+        for e in found["effects"]
+        if e["needed"] and not e["built"] and e["name"] != "instancing"
+    ]
+
+
 def of_captured(captured: Captured) -> dict[str, Any]:
     if captured.scene is not None and captured.options is not None:
         return of_scene(captured.scene, captured.options)

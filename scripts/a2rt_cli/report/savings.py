@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from a2rt_cli import formats, results, savings_table
+from a2rt_cli.engine import effects as analysis
 from a2rt_cli.paths import shown
 from a2rt_cli.report.table import Table
 from a2rt_cli.results import Result
@@ -56,7 +57,6 @@ def _needs(found: Sequence[Result], effects: dict[str, Any]) -> Table:
     for name, table in effects.items():
         entries = table.get("effects", [])
         not_needed = [e["name"] for e in entries if not e.get("needed")]
-        lacking = [e["name"] for e in entries if e.get("needed") and not e.get("built", True)]
         used = [e["name"] for e in entries if e.get("built")]
         rows.append(
             [
@@ -64,7 +64,7 @@ def _needs(found: Sequence[Result], effects: dict[str, Any]) -> Table:
                 ", ".join(used) or formats.NOTHING,
                 ", ".join(not_needed) or formats.NOTHING,
                 _left_out(groups.get(name, [])),
-                ", ".join(lacking) or formats.NOTHING,
+                ", ".join(analysis.lacking(table)) or formats.NOTHING,
             ]
         )
     columns = ["workload", "effects in use", "not needed", "parts left out", "lacking"]

@@ -152,6 +152,13 @@ TEST(Effects, AListRestrictsAndSaysWhatThePictureLacks) {
   EXPECT_THROW(effects::choose(calls, "diffuse,magic"), UserError);
 }
 
+TEST(Effects, CopiesInsteadOfInstancesLackNothing) {
+  const auto calls = effects::analyse(embedded::make("forest"), workloads::load("pt"));
+  const auto choice = effects::choose(calls, "diffuse,soft-shadow,sky,alpha,textures,normals");
+  EXPECT_FALSE(choice.has(gpu::kEffectInstancing));
+  EXPECT_TRUE(choice.lacking.empty()) << choice.lacking.front();
+}
+
 TEST(Effects, EveryCallNamesWhoCallsAndAllContainsAuto) {
   for (const auto& description : embedded::all()) {
     const auto calls = effects::analyse(embedded::make(description.name), workloads::load("pt"));
