@@ -6,6 +6,7 @@ results' folder, so a killed search goes on where it was.
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -96,6 +97,8 @@ def _study(search: Search, out: Path, keys: list[str]):
         load_if_exists=True,
         direction="minimize",
     )
+    # Constraints are an "experimental" argument of the pinned version, which does not change.
+    warnings.simplefilter("ignore", optuna.exceptions.ExperimentalWarning)
     study.sampler = optuna.samplers.TPESampler(
         # Not the same draws again when a search goes on where it was.
         seed=SEED + len(study.trials),
