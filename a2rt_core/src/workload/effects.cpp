@@ -35,7 +35,7 @@ constexpr std::array<Description, kEffectCount> kDescriptions{{
     {"recursion", "closest-hit, miss", "call stack", "ray traced by a hit or miss shader"},
     {"ray_query", "compute, fragment or any", "inline traversal", "ray query"},
     {"callable", "callable", "callable calls", "callable shader"},
-    {"textures", "-", "texture unit", "texture instruction"},
+    {"textures", "-", "texture unit", "texture or image instruction"},
     {"several_frames", "-", "-", "second frame"},
     {"dynamic_geometry", "-", "-", "second version of a structure"},
 }};
@@ -171,7 +171,7 @@ class Deriver {
       textures += s.counts[static_cast<std::size_t>(capture::Counter::kTexture)];
     }
     use(Effect::kCallable, callables, plural(callables, "segment") + " of callable shaders");
-    use(Effect::kTextures, textures, plural(textures, "texture instruction"));
+    use(Effect::kTextures, textures, plural(textures, "texture or image instruction"));
   }
 
   void frames() {

@@ -27,7 +27,7 @@ constexpr std::array<Description, kPartCount> kDescriptions{{
     {"call stack", "ray traced by a hit or miss shader"},
     {"inline traversal", "ray query"},
     {"callable calls", "callable shader"},
-    {"texture unit", "texture instruction"},
+    {"texture unit", "texture or image instruction"},
 }};
 
 bool has_stage(const Workload& w, Stage stage) {
