@@ -125,6 +125,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"submit2", 3, 3 * kPixels, RecordKind::kHit},
                     Expectation{"templates", 2, 2 * kPixels, RecordKind::kHit},
                     Expectation{"two_tlas", 2, 4 * kPixels, RecordKind::kHit},
+                    Expectation{"vertex_formats", 1, kPixels, RecordKind::kHit},
                     Expectation{"update", 2, 2 * kPixels, RecordKind::kHit}),
     [](const auto& one) { return std::string(one.param.program); });
 

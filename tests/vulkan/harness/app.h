@@ -118,6 +118,7 @@ class App {
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
+  VkPhysicalDevice physical() const { return physical_; }
   VkDevice device() const { return device_; }
   VkQueue queue() const { return queue_; }
   VkCommandPool pool() const { return pool_; }
