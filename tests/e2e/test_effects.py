@@ -167,3 +167,11 @@ def test_a_foreign_program_is_analysed_by_its_pipelines_rays_and_structures(a2rt
     assert {part["part"] for part in found["parts"] if part["instantiated"]} == parts
     for effect in found["effects"]:
         assert effect["called_for_by"] if effect["built"] else effect["why"]
+
+
+def test_the_report_says_what_a_scene_did_not_need_and_how_to_measure_the_saving(compared):
+    page = (compared / "report.html").read_text(encoding="utf-8")
+    section = page[page.index('<section id="savings">') :]
+    section = section[: section.index("</section>")]
+    assert "alpha" in section and "procedural" in section
+    assert "inspect cornell --compare-effects" in section
