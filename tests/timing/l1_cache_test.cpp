@@ -233,15 +233,16 @@ TEST(Port, at_half_the_core_clock_opens_every_second_core_cycle) {
   EXPECT_THROW(uut.use(Cycles{5}), InternalError);
 }
 
-TEST(Bank, refuses_a_cycle_that_is_taken) {
-  Bank uut;
-  uut.take(Cycles{0});
-  EXPECT_EQ(uut.next(Cycles{0}, Cycles{0}), Cycles{1});
-  EXPECT_THROW(uut.take(Cycles{0}), InternalError);
-  uut.take(Cycles{2});
-  EXPECT_EQ(uut.next(Cycles{1}, Cycles{1}), Cycles{1});
-  uut.take(Cycles{1});
-  EXPECT_EQ(uut.next(Cycles{1}, Cycles{1}), Cycles{3});
+TEST(Banks, refuse_a_cycle_that_is_taken) {
+  Banks uut(2);
+  EXPECT_TRUE(uut.take(0, Cycles{0}));
+  EXPECT_FALSE(uut.take(0, Cycles{0}));
+  EXPECT_TRUE(uut.take(1, Cycles{0}));
+  EXPECT_TRUE(uut.take(0, Cycles{2}));
+  uut.advance(Cycles{1});
+  EXPECT_TRUE(uut.take(0, Cycles{1}));
+  EXPECT_FALSE(uut.take(0, Cycles{2}));
+  EXPECT_THROW(uut.take(0, Cycles{65}), InternalError);
 }
 
 }  // namespace

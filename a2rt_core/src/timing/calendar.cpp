@@ -45,19 +45,16 @@ std::uint64_t Calendar::distance_to_next_bucket() const {
   return kWheel;
 }
 
-Cycles Calendar::next() const {
-  std::uint64_t distance = distance_to_next_bucket();
-  if (!far_.empty()) {
-    distance = std::min(distance, far_.front().when.value - now_.value);
-  }
-  return now_ + Cycles{distance};
-}
-
 bool Calendar::step() {
   if (pending_ == 0) {
     return false;
   }
-  now_ = next();
+  serve(next());
+  return true;
+}
+
+void Calendar::serve(Cycles at) {
+  now_ = at;
   if (!far_.empty()) {
     pull_far();
   }
@@ -76,7 +73,6 @@ bool Calendar::step() {
   }
   buckets_[index] = {};
   occupied_[index / 64] &= ~(std::uint64_t{1} << (index % 64));
-  return true;
 }
 
 }  // namespace a2rt::timing

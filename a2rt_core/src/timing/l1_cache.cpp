@@ -7,10 +7,6 @@
 namespace a2rt::timing {
 namespace {
 
-Address sector_address(Address line, std::uint32_t sector) {
-  return line + Bytes{sector * kSectorBytes};
-}
-
 // The lowest `n` sectors of the mask.
 SectorMask lowest(SectorMask mask, std::uint32_t n) {
   SectorMask kept = 0;
@@ -29,25 +25,7 @@ L1Cache::L1Cache(const L1Config& config, LowerLevel& lower, std::uint32_t sm)
       sm_(sm),
       tags_(config.capacity, config.ways, "l1"),
       banks_(config.banks),
-      buckets_(512, kNil) {
-  bank_mask_ = std::has_single_bit(config.banks) ? config.banks - 1 : 0;
-}
-
-Cycles L1Cache::enter(Cycles now, Port& port, Address sector) {
-  const std::uint64_t index = sector.value / kSectorBytes;
-  Bank& bank =
-      banks_[bank_mask_ != 0 || banks_.size() == 1 ? index & bank_mask_ : index % banks_.size()];
-  const Cycles wanted = port.next(now);
-  Cycles at = wanted;
-  // Bank and port may free each other's cycle only later: until both agree.
-  for (Cycles free = bank.next(now, at); free != at; free = bank.next(now, at)) {
-    at = port.next(free);
-  }
-  counts_.bank_conflicts += at.value - wanted.value;
-  bank.take(at);
-  port.use(at);
-  return at;
-}
+      buckets_(512, kNil) {}
 
 std::uint32_t L1Cache::find(std::uint64_t line) const {
   std::uint32_t index = buckets_[bucket(line)];
@@ -118,56 +96,60 @@ SectorMask L1Cache::take_misses(std::uint32_t& index, Address line, SectorMask s
 L1Cache::Lookup L1Cache::read(Cycles now, Port& port, Address line, SectorMask sectors,
                               Traffic kind, L1Client& client, std::uint32_t token) {
   Lookup result;
+  banks_.advance(now);
   const SectorMask valid = tags_.touch(line, sectors);
+  result.accepted = result.hits = valid;
+  counts_.hits[static_cast<std::size_t>(kind)] += sectors_in(valid);
   const auto missing = static_cast<SectorMask>(sectors & ~valid);
-  std::uint32_t index = kNil;
-  SectorMask known = 0, taken = 0;
-  if (missing != 0) {
-    index = find(line_of(line));
-    known = index == kNil ? SectorMask{0} : pending_[index].sectors;
-    taken = take_misses(index, line, missing, kind);
-    if (taken != missing) {
-      result.mshrs_full = true;
-      ++counts_.mshr_full;
-      if (std::find(turned_away_.begin(), turned_away_.end(), &client) == turned_away_.end()) {
-        turned_away_.push_back(&client);
-      }
+  if (missing == 0) {
+    enter_all(now, port, line, result);
+    counts_.reads[static_cast<std::size_t>(kind)] += sectors_in(valid);
+    return result;
+  }
+  std::uint32_t index = find(line_of(line));
+  const auto known = index == kNil ? SectorMask{0} : pending_[index].sectors;
+  const SectorMask taken = take_misses(index, line, missing, kind);
+  if (taken != missing) {
+    result.mshrs_full = true;
+    ++counts_.mshr_full;
+    if (std::find(turned_away_.begin(), turned_away_.end(), &client) == turned_away_.end()) {
+      turned_away_.push_back(&client);
     }
   }
   result.accepted = static_cast<SectorMask>(valid | taken);
-  result.hits = valid;
-  Cycles first_miss, last;
-  const auto fresh = static_cast<SectorMask>(taken & ~known);
-  for_each_sector(result.accepted, [&](std::uint32_t s) {
-    const Cycles at = enter(now, port, sector_address(line, s));
-    result.ready[s] = last = at + config_.latency;
-    if ((fresh >> s & 1) != 0 && first_miss == Cycles{0}) {
-      first_miss = last;
-    }
-  });
+  enter_all(now, port, line, result);
   counts_.reads[static_cast<std::size_t>(kind)] += sectors_in(result.accepted);
-  counts_.hits[static_cast<std::size_t>(kind)] += sectors_in(valid);
   if (taken != 0) {
-    add_waiter(pending_[index], {&client, token, kNil, last, taken});
+    const auto last = static_cast<std::size_t>(std::bit_width(unsigned{taken})) - 1;
+    add_waiter(pending_[index], {&client, token, kNil, result.ready[last], taken});
   }
-  if (fresh != 0) {
-    lower_.request(first_miss, sm_, line, fresh, kind, false);
+  if (const auto fresh = static_cast<SectorMask>(taken & ~known); fresh != 0) {
+    const auto first = static_cast<std::size_t>(std::countr_zero(fresh));
+    lower_.request(result.ready[first], sm_, line, fresh, kind, false);
   }
   return result;
 }
 
-void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind) {
-  Cycles first;
-  for_each_sector(sectors, [&](std::uint32_t s) {
-    const Cycles at = enter(now, port, sector_address(line, s));
-    first = first == Cycles{0} ? at + config_.latency : first;
+// Sends the accepted sectors, in order.
+void L1Cache::enter_all(Cycles now, Port& port, Address line, Lookup& lookup) {
+  const std::uint64_t base = line.value / kSectorBytes;
+  for_each_sector(lookup.accepted, [&](std::uint32_t s) {
+    lookup.ready[s] = enter(now, port, base + s) + config_.latency;
   });
+}
+
+void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind) {
+  Lookup sent;
+  sent.accepted = sectors;
+  banks_.advance(now);
+  enter_all(now, port, line, sent);
   counts_.writes[static_cast<std::size_t>(kind)] += sectors_in(sectors);
   if (kind == Traffic::kStack) {
     insert(now, line, sectors, kind, true);
   } else {
     // Valid copies take the new data on the way down, so their state does not change.
-    lower_.request(first, sm_, line, sectors, kind, true);
+    lower_.request(sent.ready[static_cast<std::size_t>(std::countr_zero(sectors))], sm_, line,
+                   sectors, kind, true);
   }
 }
 

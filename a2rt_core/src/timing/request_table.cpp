@@ -71,16 +71,14 @@ void RequestTable::add_line(Cycles now, std::uint32_t lane, std::uint16_t index,
     added.sectors += sectors_in(coming);
   }
   const std::uint32_t bit = 1u << lane;
-  bool waited = false, waits = false;
-  for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-    waited |= (entry.lanes[s] & bit) != 0;
-    if ((wanted & ~coming) >> s & 1) {
-      waits = true;
-      added.sectors += (entry.lanes[s] & bit) == 0;
-      entry.lanes[s] |= bit;
-    }
-  }
-  added.lines += waits && !waited;
+  const bool waited =
+      ((entry.lanes[0] | entry.lanes[1] | entry.lanes[2] | entry.lanes[3]) & bit) != 0;
+  const auto waits = static_cast<SectorMask>(wanted & ~coming);
+  for_each_sector(waits, [&](std::uint32_t s) {
+    added.sectors += (entry.lanes[s] & bit) == 0;
+    entry.lanes[s] |= bit;
+  });
+  added.lines += waits != 0 && !waited;
   entry.to_send = static_cast<SectorMask>(entry.to_send | (wanted & ~(coming | entry.in_flight)));
   if (!was_queued && entry.to_send != 0) {
     entry.queue_next = kNil;
@@ -119,34 +117,23 @@ void RequestTable::sent(SectorMask accepted) {
   }
 }
 
-void RequestTable::arrived(std::uint32_t token, SectorMask sectors, const SectorTimes& ready,
-                           std::vector<Arrival>& out) {
+std::uint32_t RequestTable::take(std::uint32_t token, SectorMask sectors, const SectorTimes& ready,
+                                 std::array<std::uint32_t, kSectorsPerLine>& lanes) {
   Entry& entry = entries_[token];
   A2RT_CHECK((entry.in_flight & sectors) == sectors,
              "data came for a sector that was not under way");
+  if (entry.arriving == 0) {
+    entry.known = Cycles{0};
+  }
+  for_each_sector(sectors, [&](std::uint32_t s) {
+    lanes[s] = entry.lanes[s];
+    entry.lanes[s] = 0;
+    entry.known = std::max(entry.known, ready[s]);
+  });
   entry.in_flight = static_cast<SectorMask>(entry.in_flight & ~sectors);
-  std::array<std::uint32_t, kSectorsPerLine> lanes{};
-  std::uint32_t waiting = 0;
-  for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-    if (sectors >> s & 1) {
-      lanes[s] = entry.lanes[s];
-      entry.lanes[s] = 0;
-      entry.known = entry.arriving == 0 ? ready[s] : std::max(entry.known, ready[s]);
-      entry.arriving = static_cast<SectorMask>(entry.arriving | 1u << s);
-    } else {
-      waiting |= entry.lanes[s];
-    }
-  }
+  entry.arriving = static_cast<SectorMask>(entry.arriving | sectors);
   live_ -= !entry.busy();
-  // Sectors come in ascending order, so a lane's last one is the highest it wanted.
-  std::uint32_t told = 0;
-  for (std::uint32_t s = kSectorsPerLine; s-- > 0;) {
-    for (std::uint32_t rest = lanes[s] & ~told; rest != 0; rest &= rest - 1) {
-      const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
-      out.push_back({lane, ready[s], (waiting >> lane & 1) == 0});
-    }
-    told |= lanes[s];
-  }
+  return entry.lanes[0] | entry.lanes[1] | entry.lanes[2] | entry.lanes[3];
 }
 
 }  // namespace a2rt::timing

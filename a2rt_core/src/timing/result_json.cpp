@@ -150,8 +150,9 @@ Json histogram_json(const PowerHistogram& h) {
 }  // namespace
 
 const char* traffic_name(Traffic kind) {
-  static constexpr const char* kNames[] = {"none",     "node", "group_node", "sub_node", "anchor",
-                                           "triangle", "aabb", "instance",   "stack",    "shader"};
+  static constexpr const char* kNames[] = {
+      "none", "node",     "group_node", "sub_node", "anchor",          "triangle",
+      "aabb", "instance", "stack",      "shader",   "primitive_index", "result"};
   static_assert(std::size(kNames) == kTrafficKinds);
   return kNames[static_cast<std::size_t>(kind)];
 }

@@ -153,54 +153,44 @@ Cycles RtEngine::issue(Cycles at, Tester tester, std::uint32_t count) {
   return pool.issue(at, count);
 }
 
-// Moves `at` to the end of the test that the lane's next event is; false if it is something else.
-bool RtEngine::test_event(Cycles& at, Lane& lane, const std::vector<Event>& events) {
-  const Event& event = events[lane.cursor];
-  const Tester tester = kTesterOf[static_cast<std::size_t>(event.kind)];
-  if (tester == Tester::kCount) {
-    return false;
-  }
-  ++lane.cursor;
-  ++counts_.events[static_cast<std::size_t>(event.kind)];
-  Cycles end = event.count > 0 ? issue(at, tester, event.count) : at;
-  // FP32 and quantized boxes of one node do not depend on each other: both pools start at once.
-  if (event.kind == EventKind::kBoxTest && lane.cursor < events.size() &&
-      events[lane.cursor].kind == EventKind::kQBoxTest) {
-    ++counts_.events[static_cast<std::size_t>(EventKind::kQBoxTest)];
-    end = std::max(end, issue(at, Tester::kQBox, events[lane.cursor++].count));
-  }
-  at = end;
-  return true;
-}
-
+// Works out what concerns nobody else: tests, whose testers are reserved, and stack entries kept on
+// chip, which cost no time. Returns when the lane is through with them.
 Cycles RtEngine::run_tests(Cycles now, Cycles at, Lane& lane, const std::vector<Event>& events) {
   const Cycles start = at;
   // Reservations may be out of order by so much only; the rest is worked out when time has come.
-  while (at.value - now.value < TesterPool::kDisorder) {
-    if (lane.step < lane.steps) {
-      const Step step = lane.step_list[lane.step++];
-      at = issue(at, step.tester, step.count);
-      continue;
-    }
-    if (lane.cursor == events.size()) {
-      break;
-    }
-    if (test_event(at, lane, events)) {
-      continue;
-    }
-    // Stack entries kept on chip cost no time and concern nobody else.
-    const Event& event = events[lane.cursor];
-    if (event.kind == EventKind::kPush &&
-        (config_.rt.stack_entries == 0 || lane.stack + event.count <= config_.rt.stack_entries)) {
-      lane.stack += event.count;
-    } else if (event.kind == EventKind::kPop && event.count <= lane.stack) {
-      lane.stack -= event.count;
+  const Cycles horizon = now + Cycles{TesterPool::kDisorder};
+  while (lane.step < lane.steps && at < horizon) {
+    const Step step = lane.step_list[lane.step++];
+    at = issue(at, step.tester, step.count);
+  }
+  const Event* event = events.data() + lane.cursor;
+  const Event* const end = events.data() + events.size();
+  for (; event != end && at < horizon; ++event) {
+    if (const Tester tester = kTesterOf[static_cast<std::size_t>(event->kind)];
+        tester != Tester::kCount) {
+      ++counts_.events[static_cast<std::size_t>(event->kind)];
+      const Cycles from = at;
+      at = event->count > 0 ? issue(from, tester, event->count) : at;
+      // FP32 and quantized boxes of one node do not depend on each other: both start at once.
+      if (event->kind == EventKind::kBoxTest && event + 1 != end &&
+          event[1].kind == EventKind::kQBoxTest) {
+        ++event;
+        ++counts_.events[static_cast<std::size_t>(EventKind::kQBoxTest)];
+        at = std::max(at, issue(from, Tester::kQBox, event->count));
+      }
+    } else if (event->kind == EventKind::kPop && event->count <= lane.stack) {
+      lane.stack -= event->count;
+      ++counts_.events[static_cast<std::size_t>(EventKind::kPop)];
+    } else if (event->kind == EventKind::kPush &&
+               (config_.rt.stack_entries == 0 ||
+                lane.stack + event->count <= config_.rt.stack_entries)) {
+      lane.stack += event->count;
+      ++counts_.events[static_cast<std::size_t>(EventKind::kPush)];
     } else {
       break;
     }
-    ++counts_.events[static_cast<std::size_t>(event.kind)];
-    ++lane.cursor;
   }
+  lane.cursor = static_cast<std::uint32_t>(event - events.data());
   if (at > start) {
     book_lane(lane, at, LaneReason::kTest);
     testing_.mark(start, at);
@@ -233,6 +223,10 @@ void RtEngine::run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t
 bool RtEngine::do_event(Cycles now, std::uint32_t slot, std::uint32_t l, const Event& event) {
   switch (event.kind) {
     case EventKind::kFetch:
+      if (event.traffic == Traffic::kResult) {
+        store(now, Address{event.address}, event.bytes, Traffic::kResult);
+        return false;
+      }
       return fetch(now, slot, l, Address{event.address}, event.bytes, event.traffic);
     case EventKind::kEscape:
       return false;  // the unit emits the dequantizations and FP32 tests that it causes
@@ -269,13 +263,14 @@ bool RtEngine::fetch(Cycles now, std::uint32_t slot, std::uint32_t l, Address ad
   Lane& lane = s.lanes[l];
   lane.missing = 0;
   lane.ready = now;
-  set_state(now, lane, LaneState::kFetch);
+  A2RT_CHECK(lane.since == now, "a lane's time is not booked up to its next cycle");
+  lane.state = LaneState::kFetch;
   want(now, s, l, address, bytes, kind);
   // A contiguous range of records of several kinds is one read of the unit.
   const std::vector<Event>& events = s.events[l];
   std::uint64_t end = address.value + bytes;
   while (lane.cursor < events.size() && events[lane.cursor].kind == EventKind::kFetch &&
-         events[lane.cursor].address == end) {
+         events[lane.cursor].address == end && events[lane.cursor].traffic != Traffic::kResult) {
     const Event& more = events[lane.cursor++];
     ++counts_.events[static_cast<std::size_t>(EventKind::kFetch)];
     want(now, s, l, Address{more.address}, more.bytes, more.traffic);
@@ -286,7 +281,8 @@ bool RtEngine::fetch(Cycles now, std::uint32_t slot, std::uint32_t l, Address ad
     return true;
   }
   // All of it is on its way to another lane already.
-  set_state(lane.ready, lane, LaneState::kRun);
+  book_lane(lane, lane.ready, LaneReason::kFetch);
+  lane.state = LaneState::kRun;
   appoint(now, lane.ready, slot, l);
   return true;
 }

@@ -53,8 +53,7 @@ void RtEngine::send_request(Cycles now, std::uint32_t slot) {
   counts_.sectors_sent += sectors_in(found.accepted);
   port_blocked_ = found.mshrs_full;
   if (found.hits != 0) {
-    requests.arrived(next.token, found.hits, found.ready, arrivals_);
-    tell_lanes(now, slot);
+    settle(now, slot, next.token, found.hits, found.ready);
   }
 }
 
@@ -95,9 +94,7 @@ void RtEngine::run_port(Cycles now) {
 void RtEngine::arrived(Cycles now, std::uint32_t token, SectorMask sectors,
                        const SectorTimes& ready) {
   calendar_.progress();
-  const std::uint32_t slot = token >> 16;
-  slots_[slot]->requests.arrived(token & 0xffff, sectors, ready, arrivals_);
-  tell_lanes(now, slot);
+  settle(now, token >> 16, token & 0xffff, sectors, ready);
 }
 
 void RtEngine::unblocked(Cycles now) {
@@ -107,17 +104,18 @@ void RtEngine::unblocked(Cycles now) {
 }
 
 // Lanes whose last line has a time go on from it.
-void RtEngine::tell_lanes(Cycles now, std::uint32_t slot) {
+void RtEngine::settle(Cycles now, std::uint32_t slot, std::uint32_t token, SectorMask sectors,
+                      const SectorTimes& ready) {
   Slot& s = *slots_[slot];
-  for (const RequestTable::Arrival& arrival : arrivals_) {
-    Lane& lane = s.lanes[arrival.lane];
-    lane.ready = std::max(lane.ready, arrival.ready);
-    if (arrival.line_complete && --lane.missing == 0) {
-      set_state(lane.ready, lane, LaneState::kRun);
-      run_lane(now, lane.ready, slot, arrival.lane);
+  s.requests.arrived(token, sectors, ready, [&](std::uint32_t l, Cycles at, bool complete) {
+    Lane& lane = s.lanes[l];
+    lane.ready = std::max(lane.ready, at);
+    if (complete && --lane.missing == 0) {
+      book_lane(lane, lane.ready, LaneReason::kFetch);
+      lane.state = LaneState::kRun;
+      run_lane(now, lane.ready, slot, l);
     }
-  }
-  arrivals_.clear();
+  });
 }
 
 Address RtEngine::stack_address(std::uint32_t slot, std::uint32_t lane, std::uint32_t entry,

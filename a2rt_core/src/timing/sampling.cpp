@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 namespace a2rt::timing {
@@ -47,12 +48,17 @@ std::vector<double> warp_costs(const Workload& workload, RaySource& source,
   return costs;
 }
 
-SamplePlan plan_sample(const std::vector<double>& costs, double fraction, std::uint64_t seed) {
+SamplePlan plan_sample(const std::vector<WarpPlace>& warps, const std::vector<double>& costs,
+                       double fraction, std::uint64_t seed) {
+  A2RT_CHECK(warps.size() == costs.size(), "every warp has a cost");
   if (!(fraction > 0 && fraction <= 1)) {
     throw UserError("--sample takes a fraction above 0 and at most 1");
   }
   SamplePlan plan;
   plan.cost = costs;
+  for (const WarpPlace& warp : warps) {
+    plan.dispatch.push_back(warp.dispatch);
+  }
   plan.cost_all = std::accumulate(costs.begin(), costs.end(), 0.0);
   std::vector<std::uint32_t> order(costs.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -91,27 +97,73 @@ SamplePlan plan_sample(const std::vector<double>& costs, double fraction, std::u
   return plan;
 }
 
-Estimate extrapolate_cycles(const SamplePlan& plan, const SimulationResult& subset) {
-  // Total warp residence of the population, by stratum, as a ratio estimate on the cost proxy.
+std::string why_not_representative(const SamplePlan& plan, const MachineConfig& machine) {
+  if (plan.warps.size() == plan.cost.size()) {
+    return {};
+  }
+  const std::uint64_t slots = std::uint64_t{machine.sm.count} * machine.sm.warps;
+  std::map<std::uint32_t, std::pair<std::uint64_t, std::uint64_t>> warps;  // all, chosen
+  for (const std::uint32_t dispatch : plan.dispatch) {
+    ++warps[dispatch].first;
+  }
+  for (const std::uint32_t warp : plan.warps) {
+    ++warps[plan.dispatch[warp]].second;
+  }
+  for (const auto& [dispatch, counts] : warps) {
+    const auto [all, chosen] = counts;
+    const std::uint64_t needed = kFillings * slots;
+    if (chosen < needed) {
+      const std::string of = std::to_string(chosen) + " of " + std::to_string(all) +
+                             " warps of dispatch " + std::to_string(dispatch);
+      return "a sample of " + of + " does not fill the machine's " + std::to_string(slots) +
+             " warp slots " + std::to_string(kFillings) +
+             " times over, so it has no steady state; " +
+             (all > needed ? "sample at least " + std::to_string(needed) + " warps (--sample " +
+                                 std::to_string(std::ceil(100.0 * static_cast<double>(needed) /
+                                                          static_cast<double>(all)) /
+                                                100.0)
+                                     .substr(0, 4) +
+                                 ")"
+                           : std::string("capture a larger picture or run all warps"));
+    }
+  }
+  return {};
+}
+
+namespace {
+
+// One dispatch: how much of the work was done while warps could replace each other.
+double extrapolate_dispatch(const DispatchTime& time, double cost_all, double cost_chosen) {
+  const auto full = static_cast<double>(time.last_launch.value);
+  const double tail = static_cast<double>(time.cycles.value) - full;
+  // The warps resident when the last one began are what the tail works off, in both runs.
+  const double in_tail = static_cast<double>(time.resident_then) * cost_chosen /
+                         static_cast<double>(std::max<std::uint64_t>(time.warps, 1));
+  if (time.last_launch > Cycles{0} && in_tail < cost_chosen) {
+    return tail + full * (cost_all - in_tail) / (cost_chosen - in_tail);
+  }
+  // All chosen warps fitted at once: there was no full phase to scale.
+  return static_cast<double>(time.cycles.value) * cost_all / cost_chosen;
+}
+
+// Half the width of the 95 % interval, relative to the value: the spread of warp residence within
+// strata, as a ratio estimate on the cost proxy.
+double relative_error(const SamplePlan& plan, const SimulationResult& subset) {
   struct Stratum {
-    double residence = 0, cost = 0, squares = 0, count = 0;
+    double squares = 0, count = 0;
   };
   std::vector<Stratum> strata(plan.stratum_size.size());
+  double residence = 0;
+  for (const WarpRecord& warp : subset.warps) {
+    residence += static_cast<double>(warp.residence.value);
+  }
+  const double ratio = residence / plan.cost_chosen;
   for (std::size_t i = 0; i < plan.warps.size(); ++i) {
+    const double deviation =
+        static_cast<double>(subset.warps.at(i).residence.value) - ratio * plan.cost[plan.warps[i]];
     Stratum& s = strata[plan.stratum[i]];
-    s.residence += static_cast<double>(subset.warps.at(i).residence.value);
-    s.cost += plan.cost[plan.warps[i]];
+    s.squares += deviation * deviation;
     s.count += 1;
-  }
-  double ratio_all = 0, chosen_residence = 0;
-  for (const Stratum& s : strata) {
-    chosen_residence += s.residence;
-  }
-  ratio_all = chosen_residence / plan.cost_chosen;
-  for (std::size_t i = 0; i < plan.warps.size(); ++i) {
-    const double deviation = static_cast<double>(subset.warps.at(i).residence.value) -
-                             ratio_all * plan.cost[plan.warps[i]];
-    strata[plan.stratum[i]].squares += deviation * deviation;
   }
   double variance = 0;
   for (std::size_t s = 0; s < strata.size(); ++s) {
@@ -121,22 +173,32 @@ Estimate extrapolate_cycles(const SamplePlan& plan, const SimulationResult& subs
                   (strata[s].count * (strata[s].count - 1));
     }
   }
-  const double population = ratio_all * plan.cost_all;
-  const double relative = population > 0 ? std::sqrt(variance) / population : 0;
-  const double full = static_cast<double>(subset.last_launch.value);
-  const double tail = static_cast<double>(subset.cycles.value) - full;
-  // The warps resident when the last one began are what the tail works off, in both runs.
-  const double in_tail = static_cast<double>(subset.resident_then) * plan.cost_chosen /
-                         static_cast<double>(plan.warps.size());
-  Estimate estimate;
-  if (subset.last_launch > Cycles{0} && in_tail < plan.cost_chosen) {
-    estimate.value = tail + full * (plan.cost_all - in_tail) / (plan.cost_chosen - in_tail);
-  } else {
-    // All chosen warps fitted at once: there was no full phase to scale.
-    estimate.value = static_cast<double>(subset.cycles.value) * plan.cost_all / plan.cost_chosen;
+  const double population = ratio * plan.cost_all;
+  return population > 0 ? 1.96 * std::sqrt(variance) / population : 0;
+}
+
+}  // namespace
+
+Estimate extrapolate_cycles(const SamplePlan& plan, const SimulationResult& subset) {
+  // Dispatches of the subset, in order, and their shares of the work.
+  std::map<std::uint32_t, std::pair<double, double>> cost;  // all, chosen
+  for (std::size_t w = 0; w < plan.cost.size(); ++w) {
+    cost[plan.dispatch[w]].first += plan.cost[w];
   }
-  estimate.low = estimate.value * (1 - 1.96 * relative);
-  estimate.high = estimate.value * (1 + 1.96 * relative);
+  for (const std::uint32_t warp : plan.warps) {
+    cost[plan.dispatch[warp]].second += plan.cost[warp];
+  }
+  Estimate estimate;
+  std::size_t next = 0;
+  for (const auto& [dispatch, shares] : cost) {
+    if (shares.second > 0) {
+      estimate.value +=
+          extrapolate_dispatch(subset.dispatches.at(next++), shares.first, shares.second);
+    }
+  }
+  const double relative = relative_error(plan, subset);
+  estimate.low = estimate.value * (1 - relative);
+  estimate.high = estimate.value * (1 + relative);
   return estimate;
 }
 

@@ -1,6 +1,7 @@
 #include "a2rt/timing/shader_memory.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace a2rt::timing {
 namespace {
@@ -68,13 +69,29 @@ void ShaderAddresses::sectors(ShaderAccess access, std::uint32_t ordinal, const 
   const std::uint64_t bytes = words_per_load_ * kWordBytes;
   const std::uint64_t offset = ordinal * bytes;
   const bool hit_shader = work.shader < works_on_hit_.size() && works_on_hit_[work.shader];
+  bool sorted = true;
   const auto add = [&](std::uint64_t address, std::uint64_t length) {
     for (std::uint64_t s = address / kSectorBytes; s <= (address + length - 1) / kSectorBytes;
          ++s) {
-      out.push_back(Address{s * kSectorBytes});
+      // Neighbouring lanes mostly share a sector.
+      const Address sector{s * kSectorBytes};
+      if (out.empty() || out.back() != sector) {
+        sorted = sorted && (out.empty() || out.back() < sector);
+        out.push_back(sector);
+      }
     }
   };
-  for (std::uint32_t l = 0; l < kLanes; ++l) {
+  if (access == ShaderAccess::kPayload) {
+    for (std::uint64_t w = 0; w < words_per_load_; ++w) {
+      const std::uint64_t word = (ordinal * words_per_load_ + w) % kPayloadWords;
+      for (std::uint32_t rest = work.lanes; rest != 0; rest &= rest - 1) {
+        const auto l = static_cast<std::uint64_t>(std::countr_zero(rest));
+        add(kPayloads + ((thread_block * kPayloadWords + word) * kLanes + l) * kWordBytes,
+            kWordBytes);
+      }
+    }
+  }
+  for (std::uint32_t l = 0; l < kLanes && access != ShaderAccess::kPayload; ++l) {
     if ((work.lanes >> l & 1) == 0) {
       continue;
     }
@@ -101,16 +118,13 @@ void ShaderAddresses::sectors(ShaderAccess access, std::uint32_t ordinal, const 
         add(kTexels + (std::uint64_t{ordinal} << 28) + texel(launch, width), kWordBytes);
         break;
       case ShaderAccess::kPayload:
-        for (std::uint64_t w = 0; w < words_per_load_; ++w) {
-          const std::uint64_t word = (ordinal * words_per_load_ + w) % kPayloadWords;
-          add(kPayloads + ((thread_block * kPayloadWords + word) * kLanes + l) * kWordBytes,
-              kWordBytes);
-        }
         break;
     }
   }
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
+  if (!sorted) {
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+  }
 }
 
 }  // namespace a2rt::timing

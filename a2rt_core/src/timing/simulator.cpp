@@ -28,7 +28,7 @@ class Machine final : public SmHost {
                        const std::function<void(double)>& progress);
 
  private:
-  void run_dispatch(std::size_t dispatch);
+  void run_dispatch();
   bool next_cycle(Cycles& next) const;
   Cycles last_progress() const;
   void check_progress() const;
@@ -55,6 +55,8 @@ class Machine final : public SmHost {
   std::vector<std::uint32_t> queue_;  // warp numbers of the current dispatch
   std::size_t queue_next_ = 0;
   std::uint64_t launched_ = 0, retired_ = 0, total_ = 0;
+  Cycles last_launch_;
+  std::uint64_t resident_then_ = 0;  // warps, when the last one was launched
   std::vector<std::uint64_t> launch_base_;
   SimulationResult result_;
 };
@@ -68,8 +70,8 @@ bool Machine::next_warp(NewWarp& warp) {
   warp.program = WarpProgram(workload_, *program_, place.first_launch, place.count);
   warp.number = number;
   warp.width = workload_.dispatches[place.dispatch].width;
-  result_.last_launch = std::max(result_.last_launch, now_);
-  result_.resident_then = ++launched_ - retired_;
+  last_launch_ = std::max(last_launch_, now_);
+  resident_then_ = ++launched_ - retired_;
   return true;
 }
 
@@ -126,7 +128,7 @@ void Machine::check_progress() const {
                                                   " cycles; state of the machine:\n" + dump());
 }
 
-void Machine::run_dispatch(std::size_t dispatch) {
+void Machine::run_dispatch() {
   const Cycles start = end_;
   now_ = start;
   const std::uint64_t rays_before = result_.ray_cycles.count();
@@ -150,9 +152,9 @@ void Machine::run_dispatch(std::size_t dispatch) {
   A2RT_CHECK(queue_next_ == queue_.size() &&
                  std::all_of(sms_.begin(), sms_.end(), [](const auto& sm) { return sm->idle(); }),
              "nothing is left to happen, yet warps are not done; state of the machine:\n" + dump());
-  (void)dispatch;
-  result_.dispatches.push_back(
-      {end_ - start, result_.ray_cycles.count() - rays_before, queue_.size()});
+  result_.dispatches.push_back({end_ - start, result_.ray_cycles.count() - rays_before,
+                                queue_.size(), std::max(last_launch_, start) - start,
+                                resident_then_});
 }
 
 SimulationResult Machine::run(const std::vector<WarpPlace>& places,
@@ -180,7 +182,7 @@ SimulationResult Machine::run(const std::vector<WarpPlace>& places,
     }
     program_ = std::make_unique<DispatchProgram>(workload_, dispatch);
     result_.shader_counts_captured |= program_->from_capture();
-    run_dispatch(dispatch);
+    run_dispatch();
     if (progress) {
       progress(static_cast<double>(i) / static_cast<double>(chosen.size()));
     }

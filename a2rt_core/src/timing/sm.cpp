@@ -87,18 +87,6 @@ void Sm::make_ready(Cycles now, std::uint32_t slot, Cycles ready) {
   book(now, fronts_[slot].scheduler);
 }
 
-// First cycle in which some warp of the scheduler can issue.
-Cycles Sm::next_issue(const Scheduler& scheduler, std::uint32_t index) const {
-  Cycles earliest = kNever;
-  const auto step = static_cast<std::uint32_t>(schedulers_.size());
-  for (std::uint32_t slot = index; slot < fronts_.size(); slot += step) {
-    if (fronts_[slot].state == State::kReady) {
-      earliest = std::min(earliest, fronts_[slot].ready);
-    }
-  }
-  return std::max(earliest, scheduler.free);
-}
-
 // Cycle before which the warp cannot be through with its phase's arithmetic.
 Cycles Sm::earliest_end(const Scheduler& scheduler, const Front& front) const {
   const SmConfig& sm = config_.sm;
@@ -141,18 +129,24 @@ void Sm::book(Cycles now, std::uint32_t index) {
   calendar_.at(when, *this, kIssue, index);
 }
 
-// Greedy then oldest: the warp that issued last if it can, else the oldest that can.
-std::uint32_t Sm::choose(Cycles now, const Scheduler& scheduler, std::uint32_t index) const {
-  const auto can = [&](const Front& f) { return f.state == State::kReady && f.ready <= now; };
-  if (fronts_[scheduler.last].scheduler == index && can(fronts_[scheduler.last])) {
-    return scheduler.last;
-  }
-  std::uint32_t best = kNoSlot;
+// The first cycle in which some warp can issue, and which one does. Greedy then oldest: the warp
+// that issued last if it can, else the oldest that can. There must be a ready warp.
+Sm::Choice Sm::choose(const Scheduler& scheduler, std::uint32_t index) const {
   const auto step = static_cast<std::uint32_t>(schedulers_.size());
+  Choice best{kNoSlot, kNever};
   for (std::uint32_t slot = index; slot < fronts_.size(); slot += step) {
-    if (can(fronts_[slot]) && (best == kNoSlot || fronts_[slot].age < fronts_[best].age)) {
-      best = slot;
+    const Front& front = fronts_[slot];
+    if (front.state != State::kReady) {
+      continue;
     }
+    const Cycles at = std::max(front.ready, scheduler.free);
+    if (at < best.at || (at == best.at && front.age < fronts_[best.slot].age)) {
+      best = {slot, at};
+    }
+  }
+  const Front& last = fronts_[scheduler.last];
+  if (last.scheduler == index && last.state == State::kReady && last.ready <= best.at) {
+    best.slot = scheduler.last;
   }
   return best;
 }
@@ -161,15 +155,21 @@ std::uint32_t Sm::choose(Cycles now, const Scheduler& scheduler, std::uint32_t i
 // nothing but arithmetic, or the scheduler would have been booked for it.
 void Sm::advance(Cycles end, std::uint32_t index) {
   Scheduler& scheduler = schedulers_[index];
-  while (scheduler.states[static_cast<std::size_t>(State::kReady)] > 0) {
-    const Cycles at = next_issue(scheduler, index);
-    if (at >= end) {
+  const std::uint32_t& ready = scheduler.states[static_cast<std::size_t>(State::kReady)];
+  while (ready > 0) {
+    Choice choice = choose(scheduler, index);
+    if (choice.at >= end) {
       return;
     }
-    const std::uint32_t slot = choose(at, scheduler, index);
-    A2RT_CHECK(slot != kNoSlot, "a warp is ready and cannot be found");
-    if (step(at, slot, index) == Issue::kIssued) {
-      scheduler.last = slot;
+    // A warp alone goes on by itself.
+    Front& front = fronts_[choice.slot];
+    bool issued = false;
+    do {
+      issued |= step(choice.at, choice.slot, index) == Issue::kIssued;
+      choice.at = std::max(front.ready, scheduler.free);
+    } while (ready == 1 && front.state == State::kReady && choice.at < end);
+    if (issued) {
+      scheduler.last = choice.slot;
       calendar_.progress();
     }
   }

@@ -49,6 +49,25 @@ void TagStore::change_residence(Cycles now, Traffic kind, int delta) {
   r.sectors = static_cast<std::uint64_t>(static_cast<std::int64_t>(r.sectors) + delta);
 }
 
+// Ends the residence of some of a line's sectors; neighbours are mostly of one kind.
+void TagStore::forget(Cycles now, const Line& line, SectorMask sectors) {
+  for (std::uint32_t rest = sectors; rest != 0;) {
+    const Traffic kind = line.kinds[static_cast<std::size_t>(std::countr_zero(rest))];
+    int count = 0;
+    std::uint32_t others = 0;
+    for (; rest != 0; rest &= rest - 1) {
+      const auto s = static_cast<std::size_t>(std::countr_zero(rest));
+      if (line.kinds[s] == kind) {
+        ++count;
+      } else {
+        others |= 1u << s;
+      }
+    }
+    change_residence(now, kind, -count);
+    rest = others;
+  }
+}
+
 std::optional<TagStore::Victim> TagStore::insert(Cycles now, Address line_address,
                                                  SectorMask sectors, Traffic kind, bool dirty) {
   const std::uint64_t tag = line_of(line_address);
@@ -59,11 +78,7 @@ std::optional<TagStore::Victim> TagStore::insert(Cycles now, Address line_addres
     Line& line = lines_[index];
     if (line.used) {
       victim = Victim{line.tag, line.dirty, line.kinds};
-      for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-        if (line.valid >> s & 1) {
-          change_residence(now, line.kinds[s], -1);
-        }
-      }
+      forget(now, line, line.valid);
       unlink_hash(index);
     }
     line.tag = tag;
@@ -73,16 +88,13 @@ std::optional<TagStore::Victim> TagStore::insert(Cycles now, Address line_addres
     buckets_[hash(tag)] = index;
   }
   Line& line = lines_[index];
-  for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-    if ((sectors >> s & 1) == 0) {
-      continue;
-    }
-    if (line.valid >> s & 1) {
-      change_residence(now, line.kinds[s], -1);
-    }
-    change_residence(now, kind, 1);
-    line.kinds[s] = kind;
+  forget(now, line, static_cast<SectorMask>(line.valid & sectors));
+  int added = 0;
+  for (std::uint32_t rest = sectors; rest != 0; rest &= rest - 1) {
+    line.kinds[static_cast<std::size_t>(std::countr_zero(rest))] = kind;
+    ++added;
   }
+  change_residence(now, kind, added);
   line.valid |= sectors;
   if (dirty) {
     line.dirty |= sectors;

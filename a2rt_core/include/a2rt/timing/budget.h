@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <vector>
 
 #include "a2rt/base/error.h"
 #include "a2rt/base/units.h"
@@ -28,11 +29,12 @@ class Port {
   // Uses the port in core cycle `at`, an edge of its clock. Throws InternalError if more than the
   // limit goes through in one cycle, or if time runs backwards.
   void use(Cycles at) {
-    A2RT_CHECK(at >= cycle_, "a port was used in the past");
     if (at != cycle_ || cycles_used_ == 0) {
-      A2RT_CHECK(at >= following_, "a port was used between two cycles of its clock");
+      A2RT_CHECK(at >= following_, "a port was used in the past or between cycles of its clock");
       cycle_ = at;
-      following_ = std::max(at + Cycles{1}, clock_.to_core(clock_.from_core(at) + Cycles{1}));
+      following_ = clock_.same()
+                       ? at + Cycles{1}
+                       : std::max(at + Cycles{1}, clock_.to_core(clock_.from_core(at) + Cycles{1}));
       used_ = 0;
       ++cycles_used_;
     }
@@ -52,34 +54,41 @@ class Port {
   std::uint64_t cycles_used_ = 0;
 };
 
-// One access per cycle, reserved up to 63 cycles ahead: the reservations of a cache bank.
-class Bank {
+// The banks of a cache: one access per cycle each, reserved up to 63 cycles ahead.
+class Banks {
  public:
-  // First cycle at or after `at` that is free. `now` only moves forward.
-  Cycles next(Cycles now, Cycles at) {
-    advance(now);
-    const std::uint64_t ahead = at.value - base_.value;
-    A2RT_CHECK(at >= now && ahead < 64, "a bank was asked about a cycle it does not hold");
-    const std::uint64_t free = ~(taken_ >> ahead);
-    return at + Cycles{static_cast<std::uint64_t>(std::countr_zero(free))};
+  explicit Banks(std::uint32_t count) : taken_(count) {
+    A2RT_CHECK(count > 0, "a cache has at least one bank");
+    mask_ = std::has_single_bit(count) ? count - 1 : kNoMask;
   }
-  // Throws InternalError if the cycle is taken or too far ahead.
-  void take(Cycles at) {
-    const std::uint64_t ahead = at.value - base_.value;
-    A2RT_CHECK(ahead < 64, "a bank was reserved too far ahead");
-    A2RT_CHECK((taken_ >> ahead & 1) == 0, "a bank was used twice in a cycle");
-    taken_ |= std::uint64_t{1} << ahead;
-  }
-
- private:
+  // Time has come to `now`; it only moves forward.
   void advance(Cycles now) {
     if (now > base_) {
       const std::uint64_t by = now.value - base_.value;
-      taken_ = by < 64 ? taken_ >> by : 0;
+      for (std::uint64_t& taken : taken_) {
+        taken = by < 64 ? taken >> by : 0;
+      }
       base_ = now;
     }
   }
-  std::uint64_t taken_ = 0;  // bit i: cycle base_ + i
+  // Banks are a power of two on every machine we know; others pay for a division.
+  std::size_t of(std::uint64_t sector) const {
+    return mask_ != kNoMask ? sector & mask_ : sector % taken_.size();
+  }
+  // Reserves the cycle; false if it is taken. Throws InternalError if it is too far away.
+  bool take(std::size_t bank, Cycles at) {
+    const std::uint64_t ahead = at.value - base_.value;
+    A2RT_CHECK(ahead < 64, "a bank was asked about a cycle it does not hold");
+    const std::uint64_t bit = std::uint64_t{1} << ahead;
+    const bool free = (taken_[bank] & bit) == 0;
+    taken_[bank] |= bit;
+    return free;
+  }
+
+ private:
+  static constexpr std::uint64_t kNoMask = ~std::uint64_t{0};
+  std::vector<std::uint64_t> taken_;  // bit i: cycle base_ + i
+  std::uint64_t mask_ = 0;
   Cycles base_;
 };
 

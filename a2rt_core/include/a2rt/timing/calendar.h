@@ -2,7 +2,9 @@
 // the rest. Nothing is polled; a component that has nothing to do costs nothing.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -48,12 +50,29 @@ class Calendar {
   bool step();
   // Keeps all appointments before `end`.
   void run_before(Cycles end) {
-    while (pending_ > 0 && next() < end) {
-      step();
+    while (pending_ > 0) {
+      const Cycles at = next();
+      if (at >= end) {
+        return;
+      }
+      serve(at);
     }
   }
   // Cycle of the next appointment; there must be one.
-  Cycles next() const;
+  Cycles next() const {
+    std::uint64_t distance = 0;
+    const std::uint64_t near =
+        occupied_[now_.value % kWheel / 64] >> (now_.value % 64);  // rest of the present word
+    if (near != 0) [[likely]] {
+      distance = static_cast<std::uint64_t>(std::countr_zero(near));
+    } else {
+      distance = distance_to_next_bucket();
+    }
+    if (!far_.empty()) [[unlikely]] {
+      distance = std::min(distance, far_.front().when.value - now_.value);
+    }
+    return now_ + Cycles{distance};
+  }
 
   // Work was done; the watchdog counts from here.
   void progress() { last_progress_ = now_; }
@@ -97,6 +116,7 @@ class Calendar {
     }
     bucket.last = node;
   }
+  void serve(Cycles at);
   void push_far(Cycles when, Appointment appointment);
   void pull_far();
   std::uint64_t distance_to_next_bucket() const;

@@ -77,7 +77,18 @@ class L1Cache final : public LineSink {
   };
   std::size_t bucket(std::uint64_t line) const { return (line * 0x9e3779b97f4a7c15u) >> 55; }
   // Cycle in which a sector enters its bank.
-  Cycles enter(Cycles now, Port& port, Address sector);
+  Cycles enter(Cycles now, Port& port, std::uint64_t sector) {
+    const std::size_t bank = banks_.of(sector);
+    Cycles at = port.next(now);
+    while (!banks_.take(bank, at)) [[unlikely]] {
+      const Cycles later = port.next(at + Cycles{1});
+      counts_.bank_conflicts += later.value - at.value;
+      at = later;
+    }
+    port.use(at);
+    return at;
+  }
+  void enter_all(Cycles now, Port& port, Address line, Lookup& lookup);
   std::uint32_t find(std::uint64_t line) const;
   std::uint32_t obtain(std::uint64_t line, Traffic kind);
   // Takes `sectors` as misses as far as there is room; returns those taken.
@@ -90,8 +101,7 @@ class L1Cache final : public LineSink {
   LowerLevel& lower_;
   std::uint32_t sm_;
   TagStore tags_;
-  std::vector<Bank> banks_;
-  std::uint64_t bank_mask_ = 0;
+  Banks banks_;
   std::vector<Pending> pending_;
   std::vector<std::uint32_t> buckets_;
   std::uint32_t free_pending_ = kNil;

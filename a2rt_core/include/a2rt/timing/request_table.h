@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -41,15 +42,24 @@ class RequestTable {
   // Of the request shown by next(), `accepted` were taken by L1.
   void sent(SectorMask accepted);
 
-  // A lane and the cycle in which its last sector of a line is there.
-  struct Arrival {
-    std::uint32_t lane;
-    Cycles ready;
-    bool line_complete;
-  };
-  // The times of some sectors of a sent request became known. Appends to `out`.
-  void arrived(std::uint32_t token, SectorMask sectors, const SectorTimes& ready,
-               std::vector<Arrival>& out);
+  // The times of some sectors of a sent request became known. Calls f(lane, ready, complete) for
+  // each lane that wanted any: the cycle of its last one, and whether the lane waits for no more of
+  // the line. `f` may add requests.
+  template <class F>
+  void arrived(std::uint32_t token, SectorMask sectors, const SectorTimes& ready, const F& f) {
+    std::array<std::uint32_t, kSectorsPerLine> lanes{};
+    const std::uint32_t waiting = take(token, sectors, ready, lanes);
+    // Sectors come in ascending order, so a lane's last one is the highest it wanted.
+    std::uint32_t told = 0;
+    for (std::uint32_t s = kSectorsPerLine; s-- > 0;) {
+      const std::uint32_t tell = lanes[s] & ~told;
+      told |= lanes[s];
+      for (std::uint32_t rest = tell; rest != 0; rest &= rest - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
+        f(lane, ready[s], (waiting >> lane & 1) == 0);
+      }
+    }
+  }
 
   // Lines with sectors to send or under way.
   std::uint32_t live() const { return live_; }
@@ -67,6 +77,9 @@ class RequestTable {
     bool busy() const { return (to_send | in_flight) != 0; }
   };
   std::size_t bucket(std::uint64_t line) const { return (line * 0x9e3779b97f4a7c15u) >> 57; }
+  // Settles the entry; returns the lanes that still wait for others of its sectors.
+  std::uint32_t take(std::uint32_t token, SectorMask sectors, const SectorTimes& ready,
+                     std::array<std::uint32_t, kSectorsPerLine>& lanes);
   std::uint16_t obtain(Cycles now, std::uint64_t line, Traffic kind);
   void add_line(Cycles now, std::uint32_t lane, std::uint16_t index, SectorMask wanted,
                 Added& added);

@@ -25,6 +25,8 @@ struct TesterUse {
 struct DispatchTime {
   Cycles cycles;
   std::uint64_t rays = 0, warps = 0;
+  Cycles last_launch;               // from the dispatch's start until its last warp began
+  std::uint64_t resident_then = 0;  // warps on the machine at that moment
 };
 
 struct Series {
@@ -59,8 +61,6 @@ struct SimulationResult {
   std::uint32_t width = 0, height = 0;
   std::vector<WarpRecord> warps;
   bool shader_counts_captured = false;
-  Cycles last_launch;               // when the last warp began
-  std::uint64_t resident_then = 0;  // warps on the machine at that moment
   std::uint64_t appointments = 0;
   double host_seconds = 0;
 

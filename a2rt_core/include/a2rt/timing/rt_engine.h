@@ -130,9 +130,7 @@ class RtEngine final : public Component, public L1Client {
   };
   // The lane goes on in cycle `at`, which may be later than `now`.
   void run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
-  // Works out the lane's tests from `at` on; stops before the first event that concerns others.
   Cycles run_tests(Cycles now, Cycles at, Lane& lane, const std::vector<Event>& events);
-  bool test_event(Cycles& at, Lane& lane, const std::vector<Event>& events);
   Cycles issue(Cycles at, Tester tester, std::uint32_t count);
   void appoint(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
   // Each returns true if the lane has to wait before its next event.
@@ -153,7 +151,8 @@ class RtEngine final : public Component, public L1Client {
   void end_warp(Cycles now, std::uint32_t slot);
   void set_state(Cycles now, Lane& lane, LaneState state);
   void book_lane(Lane& lane, Cycles until, LaneReason reason);
-  void tell_lanes(Cycles now, std::uint32_t slot);
+  void settle(Cycles now, std::uint32_t slot, std::uint32_t token, SectorMask sectors,
+              const SectorTimes& ready);
   void kick_port(Cycles now);
   void run_port(Cycles now);
   std::uint32_t oldest_with_requests() const;
@@ -183,7 +182,6 @@ class RtEngine final : public Component, public L1Client {
   std::size_t stores_head_ = 0;
   Port port_;
   bool port_booked_ = false, port_blocked_ = false;
-  std::vector<RequestTable::Arrival> arrivals_;
   std::uint32_t in_unit_ = 0, in_shader_ = 0;  // lanes
   RtCounts counts_;
   Attribution<RtReason> attribution_;

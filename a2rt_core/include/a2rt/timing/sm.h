@@ -123,9 +123,12 @@ class Sm final : public Component, public RtHost, public L1Client {
   // sm.cpp: scheduling
   void issue(Cycles now, std::uint32_t scheduler);
   void advance(Cycles end, std::uint32_t scheduler);
-  Cycles next_issue(const Scheduler& scheduler, std::uint32_t index) const;
+  struct Choice {
+    std::uint32_t slot;
+    Cycles at;
+  };
   Cycles earliest_end(const Scheduler& scheduler, const Front& front) const;
-  std::uint32_t choose(Cycles now, const Scheduler& scheduler, std::uint32_t index) const;
+  Choice choose(const Scheduler& scheduler, std::uint32_t index) const;
   void book(Cycles now, std::uint32_t scheduler);
   void set_state(Cycles now, std::uint32_t slot, State state);
   void make_ready(Cycles now, std::uint32_t slot, Cycles ready);

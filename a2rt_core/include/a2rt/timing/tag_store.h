@@ -101,6 +101,7 @@ class TagStore {
     set.newest = index;
   }
   void unlink_hash(std::uint32_t index);
+  void forget(Cycles now, const Line& line, SectorMask sectors);
   void change_residence(Cycles now, Traffic kind, int delta);
   static constexpr std::uint64_t kNoMask = ~std::uint64_t{0};
 

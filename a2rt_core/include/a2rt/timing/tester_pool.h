@@ -28,6 +28,7 @@ class TesterPool {
         clock_(clock),
         busy_(count == 0 ? 0 : kLeastRing) {
     A2RT_CHECK(latency.value > 0 && interval.value > 0, "a test takes at least one cycle");
+    A2RT_CHECK(count < 0x10000, "an RT unit has fewer than 65536 testers of a kind");
   }
 
   // How far apart, in core cycles, two requests may be out of order.
@@ -39,22 +40,12 @@ class TesterPool {
   // Core cycle at which the last of `tests` ends if they can start from core cycle `at` on.
   Cycles issue(Cycles at, std::uint32_t tests) {
     const std::uint64_t own = clock_.from_core(at).value;
-    std::uint64_t cycle = own >= full_from_ && own < full_until_ ? full_until_ : own;
-    std::uint64_t start = cycle;
     tests_ += tests;
-    for (std::uint32_t left = tests; left > 0; ++cycle) {
-      if (cycle - own + interval_ + 2 * kDisorder > busy_.size()) [[unlikely]] {
-        grow(own);
-      }
-      const std::uint32_t taken = std::min(left, room(cycle));
-      if (taken > 0) {
-        start = cycle;
-        left -= taken;
-        occupy(cycle, taken);
-      } else {
-        note_full(cycle);
-      }
+    if (interval_ == 1 && busy_in(own) + tests <= count_) [[likely]] {
+      set(own, busy_in(own) + tests);
+      return clock_.to_core(Cycles{own} + latency_);
     }
+    const std::uint64_t start = reserve(own, tests);
     queued_cycles_ += start - own;
     return clock_.to_core(Cycles{start} + latency_);
   }
@@ -68,13 +59,16 @@ class TesterPool {
 
  private:
   static constexpr std::size_t kLeastRing = 512;
-  struct Busy {
-    std::uint64_t cycle : 48 = 0, testers : 16 = 0;
-  };
-  Busy& at(std::uint64_t cycle) { return busy_[cycle & (busy_.size() - 1)]; }
+  // A cycle and how many testers are busy in it, in one word.
+  static constexpr std::uint32_t kBusyBits = 16;
+  std::uint64_t& word(std::uint64_t cycle) { return busy_[cycle & (busy_.size() - 1)]; }
   std::uint32_t busy_in(std::uint64_t cycle) {
-    const Busy& b = at(cycle);
-    return b.cycle == cycle ? static_cast<std::uint32_t>(b.testers) : 0;
+    const std::uint64_t w = word(cycle);
+    return w >> kBusyBits == cycle ? static_cast<std::uint32_t>(w & 0xffff) : 0;
+  }
+  void set(std::uint64_t cycle, std::uint32_t busy) {
+    A2RT_CHECK(busy <= count_, "more tests were started than there are testers");
+    word(cycle) = cycle << kBusyBits | busy;
   }
   // Tests that can start in `cycle`.
   std::uint32_t room(std::uint64_t cycle) {
@@ -84,14 +78,26 @@ class TesterPool {
     }
     return count_ - most;
   }
-  void occupy(std::uint64_t cycle, std::uint32_t testers) {
-    for (std::uint64_t c = cycle; c < cycle + interval_; ++c) {
-      const std::uint32_t now_busy = busy_in(c) + testers;
-      A2RT_CHECK(now_busy <= count_, "more tests were started than there are testers");
-      Busy& b = at(c);
-      b.cycle = c & ((std::uint64_t{1} << 48) - 1);
-      b.testers = now_busy & 0xffff;
+  // Gives the tests the first cycles with room; returns the cycle of the last.
+  std::uint64_t reserve(std::uint64_t own, std::uint32_t tests) {
+    std::uint64_t cycle = own >= full_from_ && own < full_until_ ? full_until_ : own;
+    std::uint64_t start = cycle;
+    for (std::uint32_t left = tests; left > 0; ++cycle) {
+      while (cycle - own + interval_ + 2 * kDisorder > busy_.size()) [[unlikely]] {
+        grow(own);
+      }
+      const std::uint32_t taken = std::min(left, room(cycle));
+      if (taken == 0) {
+        note_full(cycle);
+        continue;
+      }
+      start = cycle;
+      left -= taken;
+      for (std::uint64_t c = cycle; c < cycle + interval_; ++c) {
+        set(c, busy_in(c) + taken);
+      }
     }
+    return start;
   }
   // A run of cycles without room, so that requests behind a long queue need not walk it.
   void note_full(std::uint64_t cycle) {
@@ -104,11 +110,11 @@ class TesterPool {
   }
   // Twice the ring; keeps what requests from cycle `own` - kDisorder on can still ask for.
   void grow(std::uint64_t own) {
-    std::vector<Busy> old(busy_.size() * 2);
+    std::vector<std::uint64_t> old(busy_.size() * 2);
     old.swap(busy_);
-    for (const Busy& b : old) {
-      if (b.testers > 0 && b.cycle + kDisorder >= own) {
-        at(b.cycle) = b;
+    for (const std::uint64_t w : old) {
+      if ((w & 0xffff) != 0 && (w >> kBusyBits) + kDisorder >= own) {
+        word(w >> kBusyBits) = w;
       }
     }
   }
@@ -117,7 +123,7 @@ class TesterPool {
   Cycles latency_{1};
   std::uint64_t interval_ = 1;
   ClockDomain clock_;
-  std::vector<Busy> busy_;  // ring over cycles of the RT clock
+  std::vector<std::uint64_t> busy_;  // ring over cycles of the RT clock
   std::uint64_t full_from_ = 0, full_until_ = 0;
   std::uint64_t tests_ = 0, queued_cycles_ = 0;
 };
