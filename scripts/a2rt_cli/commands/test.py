@@ -18,6 +18,8 @@ EXAMPLES = """  scripts/a2rt test                    the fast tier
 """
 NEED = Need.TESTS
 PARALLEL = 2
+# Written by the slow tier's test of the guarantee: found and redundant rates of every design.
+FOUND_RATES = "tests/unit/arith/guarantee-1000000000.txt"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from a2rt_cli.paths import BUILD
 
+    rates = BUILD / FOUND_RATES
     results = BUILD / "test-results.xml"
     command = ["ctest", "--test-dir", str(BUILD), "--output-on-failure", "--no-tests=error"]
     command += ["--parallel", str(args.parallel), "--output-junit", str(results)]
@@ -41,4 +44,8 @@ def run(args: argparse.Namespace) -> int:
     if args.only:
         command += ["--tests-regex", args.only]
     env = {**os.environ, "A2RT_NO_SETUP": "1", "A2RT_BUILD_DIR": str(BUILD)}
-    return subprocess.run(command, env=env, stdin=subprocess.DEVNULL, check=False).returncode
+    code = subprocess.run(command, env=env, stdin=subprocess.DEVNULL, check=False).returncode
+    if args.tier != "fast" and rates.is_file():
+        print("\nBox tests against exact arithmetic (the last run of the slow tier):\n")
+        print(rates.read_text(encoding="utf-8"))
+    return code

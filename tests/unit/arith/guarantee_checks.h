@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <fstream>
+#include <string>
 
 #include "a2rt/hard/guarantee.h"
 
@@ -12,7 +14,10 @@ namespace a2rt::arith::testing {
 using namespace a2rt::hard;
 
 inline void expect_guarantee(const GuaranteeResult& result, std::uint64_t least_tests) {
-  std::printf("%s", text_of(table_of(result)).c_str());
+  // Kept in the test's folder: `a2rt test --tier slow` shows it.
+  const std::string table = text_of(table_of(result));
+  std::ofstream("guarantee-" + std::to_string(least_tests) + ".txt") << table;
+  std::printf("%s", table.c_str());
   for (std::size_t d = 0; d < kDesigns; ++d) {
     const auto design = static_cast<Design>(d);
     const Counts all = result.total(design);
