@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   std::vector<std::string> cases, units, scenes;
-  std::uint32_t origins = 20, rays = 4000, side = 161;
+  std::uint32_t origins = 20, rays = 1000, side = 161;
   std::string output;
 };
 

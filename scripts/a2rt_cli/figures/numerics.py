@@ -39,8 +39,9 @@ def _workloads(context: Context) -> list[Path]:
 def collect(context: Context) -> dict[str, Any]:
     """All that the page shows."""
     cache = context.out / ".cache"
+    workloads = _workloads(context)
     with console.step("Judging every unit on hard cases") as shown:
-        found = numerics.hard_cases(_workloads(context), cache / "hard-cases.json", shown)
+        found = numerics.hard_cases(workloads, cache / "hard-cases.json", shown)
     with console.step("Testing boxes in all strata") as shown:
         found["strata"] = numerics.strata(STRATA_TESTS, cache / "strata.json", shown)
     with console.step("Exhausting the multiplier") as shown:
