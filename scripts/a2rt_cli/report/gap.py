@@ -24,6 +24,7 @@ def sentences(found: Sequence[Result]) -> list[str]:
     out += _traffic(timed)
     out += _boxes(timed)
     out += _latencies(timed)
+    out += _losses(timed)
     return out
 
 
@@ -88,6 +89,26 @@ def _boxes(timed: Sequence[Result]) -> list[str]:
         "as many triangles as the baseline: the price of its coarser boxes, which smaller nodes "
         "and testers have to win back."
     ]
+
+
+def _losses(timed: Sequence[Result]) -> list[str]:
+    """A unit that loses hits skips work: its speed there is not earned."""
+    out = []
+    for unit in ("aqb8", "a2rt"):
+        chosen = [one for one in results.primary(timed) if measures.pick([one], unit)]
+        lost = {results.workload_name(one): (results.lost_hits(one) or 0, one) for one in chosen}
+        worst = sorted(lost.items(), key=lambda item: -item[1][0])[:4]
+        named = [
+            f"{count:,} of {formats.count(one['workload'].get('rays'))} on {name}"
+            for name, (count, one) in worst
+            if count
+        ]
+        if named:
+            out.append(
+                f"{unit} loses closest hits: {', '.join(named)}. Work that is not done because a "
+                "hit is missed also makes a unit faster; such speedups are no gain."
+            )
+    return out
 
 
 def _latencies(timed: Sequence[Result]) -> list[str]:
