@@ -1,6 +1,8 @@
 // The machine as a whole: scaling, conservation, determinism, watchdog, edge cases.
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "a2rt/timing/memory_system.h"
 #include "a2rt/timing/result_json.h"
 #include "a2rt/timing/simulator.h"
@@ -66,7 +68,7 @@ TEST(Machine, a_launch_without_rays_or_segments_still_ends) {
   EXPECT_EQ(simulate(w, source, one_sm()).sm.warps, 1u);
 }
 
-TEST(Machine, warps_that_share_nothing_scale_with_the_sms) {
+TEST(Machine, eight_sms_trace_eight_warps_in_the_time_of_one) {
   ScriptedSource source;
   MachineConfig config = one_sm();
   config.rt.warps = 1;
@@ -79,8 +81,10 @@ TEST(Machine, warps_that_share_nothing_scale_with_the_sms) {
     t.count = std::max(t.count, 8u);
   }
   const Cycles eight = cycles_of(rays_only(8 * 32), source, config);
+  // 32 rays on one tester: 31 starts after the first, then its latency.
   EXPECT_EQ(eight, Cycles{31 + 10} + overhead(config));
-  EXPECT_GT(one, eight * 7);
+  // One SM with one place in its RT unit traces them one after the other.
+  EXPECT_EQ(one, Cycles{8 * (31 + 10)} + overhead(config));
 }
 
 TEST(Machine, odd_numbers_of_testers_are_spread_evenly) {
@@ -123,6 +127,28 @@ TEST(Machine, the_same_run_gives_the_same_everything) {
   EXPECT_EQ(first.l1.hits, second.l1.hits);
   EXPECT_EQ(first.dram.row_hits, second.dram.row_hits);
   EXPECT_EQ(first.rt_reasons, second.rt_reasons);
+}
+
+TEST(Machine, runs_side_by_side_on_two_host_threads_equal_a_run_alone) {
+  const Workload w = rays_only(2048, 2, 64);
+  const auto run = [&] {
+    NoisySource source;
+    return simulate(w, source, MachineConfig{});
+  };
+  const SimulationResult alone = run();
+  SimulationResult first, second;
+  std::thread other([&] { first = run(); });
+  second = run();
+  other.join();
+  for (const SimulationResult* r : {&first, &second}) {
+    EXPECT_EQ(r->cycles, alone.cycles);
+    EXPECT_EQ(r->launch_cycles, alone.launch_cycles);
+    EXPECT_EQ(r->l1.hits, alone.l1.hits);
+    EXPECT_EQ(r->l2.hits, alone.l2.hits);
+    EXPECT_EQ(r->dram.row_hits, alone.dram.row_hits);
+    EXPECT_EQ(r->scheduler_reasons, alone.scheduler_reasons);
+    EXPECT_EQ(r->rt_reasons, alone.rt_reasons);
+  }
 }
 
 TEST(Machine, cycles_of_a_launch_id_are_the_sum_over_its_rays) {
@@ -174,12 +200,11 @@ TEST(Machine, a_dispatch_narrower_than_a_warp_leaves_lanes_inactive) {
   EXPECT_EQ(r.rays(), 40u);
 }
 
-// Rigged: a warp that never stops asking keeps the clock running without progress.
-TEST(Watchdog, a_machine_without_progress_is_stopped_with_a_dump_of_its_parts) {
+// A test of a million cycles stands for a part that hangs.
+TEST(Watchdog, a_hanging_tester_stops_the_run_with_a_dump_of_every_part) {
   ScriptedSource source;
   MachineConfig config = one_sm();
   config.watchdog_cycles = 5000;
-  // A test of a million cycles: nothing moves meanwhile, which is what the watchdog must notice.
   config.rt.tester(Tester::kTransform).latency = Cycles{1'000'000};
   source.everyone = {count_event(EventKind::kTransform)};
   try {

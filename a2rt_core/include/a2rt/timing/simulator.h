@@ -1,7 +1,7 @@
 // Runs a workload's dispatches on the machine.
 //
-// One thread, one calendar: the same workload and configuration give the same cycles on every host.
-// Host threads, if any, only produce rays' events ahead of time (see event_ahead.h).
+// A run is one host thread without shared state: the same workload and configuration give the same
+// cycles on every host, alone or beside other runs.
 #pragma once
 
 #include <cstdint>
