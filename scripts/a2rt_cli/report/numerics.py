@@ -10,9 +10,9 @@ from a2rt_cli import formats
 from a2rt_cli.files import replacing, write_text
 from a2rt_cli.report.sections import data_uri
 from a2rt_cli.report.table import Table
+from a2rt_cli.report.template import fill
 
 NAME = "numerics.html"
-_TEMPLATES = Path(__file__).resolve().parent
 # Verdicts differ by symbol as well as by colour (Okabe and Ito's set).
 SYMBOLS = {"exact": "=", "conservative": "≥", "misses": "✕", "refuses": "–"}
 _LETTERS = "abcdefghijklmnopqrstuvwxyz"
@@ -258,17 +258,9 @@ def _shots(found: dict[str, Any], out: Path) -> list[dict[str, str]]:
 
 def write(found: dict[str, Any], out: Path) -> Path:
     """Writes numerics.html into `out`, which holds the pictures."""
-    import jinja2
-
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     dimensions = ("direction", "distance", "aspect", "magnitude")
-    text = environment.get_template("numerics.html.j2").render(
+    text = fill(
+        "numerics.html.j2",
         summary=summary(found),
         units=found["units"],
         groups=_by_group(matrix(found)),

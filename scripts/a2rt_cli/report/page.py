@@ -9,27 +9,16 @@ from a2rt_cli import results
 from a2rt_cli.errors import UserError
 from a2rt_cli.files import write_text
 from a2rt_cli.report import sections
-
-_TEMPLATES = Path(__file__).resolve().parent
+from a2rt_cli.report.template import fill
 
 
 def write(folder: Path, target: Path | None = None) -> Path:
     """Writes the report of `folder`'s results into `target` (folder/report.html)."""
-    import jinja2
-
     found = results.load(folder)
     if not found:
         raise UserError(f"{folder}: results.json holds no run", "run the comparison again")
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    template = environment.get_template("page.html.j2")
     target = target or folder / "report.html"
-    write_text(target, template.render(**sections.everything(found, folder, _effects(folder))))
+    write_text(target, fill("page.html.j2", **sections.everything(found, folder, _effects(folder))))
     return target
 
 

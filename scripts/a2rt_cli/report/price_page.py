@@ -15,8 +15,8 @@ from a2rt_cli.report import charts, price, price_answers, price_charts, price_sc
 from a2rt_cli.report.price import ALL, Found, Price
 from a2rt_cli.report.price_answers import Answer, change
 from a2rt_cli.report.sections import Table
+from a2rt_cli.report.template import fill
 
-_TEMPLATES = Path(__file__).resolve().parent
 _COLUMNS = ["value", "redundant", "lost hits", "missed boxes", "FLIP", "RMSE", "time"]
 _COLUMNS += ["node bytes", "energy", "tester area, µm²"]
 
@@ -158,22 +158,14 @@ def _lead(found: Sequence[results.Result]) -> str:
 
 def write(folder: Path, experiment: Experiment) -> Path:
     """Writes FOLDER/report.html, which needs no other file and no network."""
-    import jinja2
-
     raw = results.load(folder)
     if not raw:
         raise UserError(f"{folder}: no finished point", "run the sweep first")
     found = Found(raw)
     rows = price_scatter.points(raw)
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     units = list(dict.fromkeys(row["unit"] for row in rows))
-    text = environment.get_template("price.html.j2").render(
+    text = fill(
+        "price.html.j2",
         title=experiment.title,
         lead=_lead(raw),
         all_scope=ALL,

@@ -10,6 +10,7 @@ from a2rt_cli import formats, results, savings_table
 from a2rt_cli.engine import effects as analysis
 from a2rt_cli.paths import shown
 from a2rt_cli.report.table import Table
+from a2rt_cli.report.template import fill
 from a2rt_cli.results import Result
 
 NEEDS_NOTE = (
@@ -24,18 +25,10 @@ def section(found: Sequence[Result], folder: Path, effects: dict[str, Any]) -> s
     """Safe HTML; empty if the results say nothing about effects."""
     if not effects:
         return ""
-    import jinja2
-
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).resolve().parent),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     measured = savings_table.load(folder)
     first = next(iter(effects))
-    return environment.get_template("savings.html.j2").render(
+    return fill(
+        "savings.html.j2",
         needs=_needs(found, effects),
         measured=_measured(measured),
         command=f"scripts/a2rt inspect {first} --compare-effects -o {shown(folder)}",
