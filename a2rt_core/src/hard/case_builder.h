@@ -56,7 +56,5 @@ std::vector<Triangle> stacked_cubes(std::uint32_t steps);
 // A square of `steps` x `steps` cells at `level` of `axis`, from -1 to 1.
 void add_flat_grid(std::vector<Triangle>& triangles, std::size_t axis, float level,
                    std::uint32_t steps);
-// Inverse by cofactors in FP64; what a driver would store. A singular map gives infinities or NaN.
-Affine inverse(const Affine& map);
 
 }  // namespace a2rt::hard

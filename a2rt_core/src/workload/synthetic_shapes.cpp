@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "a2rt/base/inverse.h"
+
 namespace a2rt::synthetic {
 
 Vec3 cross(const Vec3& a, const Vec3& b) {
@@ -104,29 +106,6 @@ std::vector<Triangle> closed(Shape shape, std::uint32_t side) {
 
 bool has_area(const Triangle& t) {
   return !(t.v[0] == t.v[1]) && !(t.v[1] == t.v[2]) && !(t.v[2] == t.v[0]);
-}
-
-// Inverse of the linear part by cofactors in FP64, as an affine map.
-Affine inverse(const Affine& map) {
-  const auto m = [&](std::size_t r, std::size_t c) {
-    return static_cast<double>(map.m[r % 3][c % 3]);
-  };
-  double det = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    det += m(0, c) * (m(1, c + 1) * m(2, c + 2) - m(1, c + 2) * m(2, c + 1));
-  }
-  Affine out;
-  for (std::size_t r = 0; r < 3; ++r) {
-    double shift = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const double entry =
-          (m(c + 1, r + 1) * m(c + 2, r + 2) - m(c + 1, r + 2) * m(c + 2, r + 1)) / det;
-      out.m[r][c] = static_cast<float>(entry);
-      shift -= entry * static_cast<double>(map.m[c][3]);
-    }
-    out.m[r][3] = static_cast<float>(shift);
-  }
-  return out;
 }
 
 Affine random_map(std::uint32_t index, Random& random) {
