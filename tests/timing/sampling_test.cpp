@@ -54,20 +54,26 @@ TEST(Sampling, the_whole_is_a_sample_without_error) {
   EXPECT_DOUBLE_EQ(e.low, e.high);
 }
 
-TEST(Sampling, a_tenth_of_equal_warps_predicts_the_whole_within_five_percent) {
-  ScriptedSource source;
-  source.everyone.assign(20, count_event(EventKind::kTransform, 4));
-  MachineConfig config = one_sm();
-  config.rt.tester(Tester::kTransform) = {2, Cycles{8}, Cycles{1}};
-  const Workload w = rays_only(32 * 1000);
+// Simulates a sample that fills the machine, and all of `w`, and compares the cycles.
+void expect_sample_within_five_percent(const Workload& w, ScriptedSource& source,
+                                       const MachineConfig& config, double fraction) {
   const auto warps = list_warps(w);
-  const SamplePlan plan = plan_sample(warps, warp_costs(w, source, warps, 8), 0.1, 1);
+  const SamplePlan plan = plan_sample(warps, warp_costs(w, source, warps, 8), fraction, 1);
   ASSERT_EQ(why_not_representative(plan, config), "");
   SimulationOptions options;
   options.warps = plan.warps;
   const Estimate e = extrapolate_cycles(plan, simulate(w, source, config, options));
   const auto full = static_cast<double>(cycles_of(w, source, config).value);
   EXPECT_LT(std::abs(e.value - full) / full, 0.05);
+}
+
+TEST(Sampling, a_tenth_of_equal_warps_predicts_the_whole_within_five_percent) {
+  ScriptedSource source;
+  source.everyone.assign(20, count_event(EventKind::kTransform, 4));
+  MachineConfig config = one_sm();
+  config.rt.tester(Tester::kTransform) = {2, Cycles{8}, Cycles{1}};
+  const Workload w = rays_only(32 * 1000);
+  expect_sample_within_five_percent(w, source, config, 0.1);
 }
 
 TEST(Sampling, a_sample_that_does_not_fill_the_machine_is_refused_with_the_remedy) {
@@ -98,14 +104,7 @@ TEST(Sampling, dispatches_are_scaled_one_by_one) {
   }
   w.driver_hits.resize(w.rays.size());
   w.candidate_first.assign(w.rays.size() + 1, 0);
-  const auto warps = list_warps(w);
-  const SamplePlan plan = plan_sample(warps, warp_costs(w, source, warps, 8), 0.15, 1);
-  ASSERT_EQ(why_not_representative(plan, config), "");
-  SimulationOptions options;
-  options.warps = plan.warps;
-  const Estimate e = extrapolate_cycles(plan, simulate(w, source, config, options));
-  const auto full = static_cast<double>(cycles_of(w, source, config).value);
-  EXPECT_LT(std::abs(e.value - full) / full, 0.05);
+  expect_sample_within_five_percent(w, source, config, 0.15);
 }
 
 TEST(Sampling, a_fraction_outside_its_range_is_a_user_error) {
