@@ -123,7 +123,8 @@ struct RecordHeader {
   std::uint32_t reserved;
 };
 static_assert(sizeof(RecordHeader) == 64);
-// Records that do not fit are written here and counted in RecordHeader::lost.
+// A record that does not fit is counted in RecordHeader::lost; words that a shader replaces in it
+// later are written here.
 inline constexpr std::uint32_t kSpareUnits = kRayUnits;
 
 // What the unit decides for one ray; entries of a launch id are indexed by ordinal.
