@@ -259,8 +259,10 @@ float RayQuantizer::remaining(float t_closest, float t_shift) const {
   const bool faulty = mutant(Mutant::kLeftRoundsDown) || mutant(Mutant::kSubRoundsNearest) ||
                       mutant(Mutant::kResidualIgnored);
   if (!faulty && precision_.rounding == QuantRounding::kConservative &&
-      (std::bit_cast<std::uint32_t>(nearest) & dropped_bits_) != 0) {
-    return std::min(round_far(nearest), largest_);
+      (mutant(Mutant::kLeftShortCutAlways) ||
+       (std::bit_cast<std::uint32_t>(nearest) & dropped_bits_) != 0)) {
+    return mutant(Mutant::kLeftShortCutTruncates) ? round_near(nearest)
+                                                  : std::min(round_far(nearest), largest_);
   }
   const float left =
       mutant(Mutant::kLeftRoundsDown) ? sub_down(t_closest, t_shift) : sub_up(t_closest, t_shift);

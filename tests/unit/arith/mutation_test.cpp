@@ -58,6 +58,8 @@ constexpr NamedMutant kMutants[] = {
     A2RT_NAME(kTinyRateBecomesParallel),
     A2RT_NAME(kHugeRateKeepsZero),
     A2RT_NAME(kLeftRoundsDown),
+    A2RT_NAME(kLeftShortCutTruncates),
+    A2RT_NAME(kLeftShortCutAlways),
     A2RT_NAME(kQBoxUsesWrongOriginBound),
     A2RT_NAME(kQBoxNegativeDirectionSwapsPlanes),
     A2RT_NAME(kQBoxStrictCompare),

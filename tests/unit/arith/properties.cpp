@@ -285,6 +285,30 @@ PropertyResult check_ray_quantizer(std::uint64_t seed, std::uint64_t cases, bool
       });
 }
 
+// Half of the cases leave a difference barely above a number of the format, which FP32 rounds to
+// that number: t_closest is the FP32 number above (left + t_shift), t_shift of the size of its ulp.
+PropertyResult check_remaining(std::uint64_t seed, std::uint64_t cases, bool stop_early) {
+  Tally tally(stop_early);
+  Random random(seed);
+  for (std::uint64_t i = 0; i < cases && !tally.done(); ++i) {
+    const A2rtPrecision& precision = some_precision(random);
+    const FloatFormat f = precision.direction;
+    const RayQuantizer quantizer(precision);
+    const double left = round_to(random.magnitude(-20, 14, false), f, Rounding::kTowardZero);
+    const double shift = random.chance(2) ? left * random.magnitude(-25, -21, false)
+                                          : random.magnitude(-40, 20, false);
+    const float t_shift = static_cast<float>(shift);
+    const float t_closest = round_up(left + static_cast<double>(t_shift));
+    tally.check(remaining_is_late(quantizer.remaining(t_closest, t_shift), t_closest, t_shift,
+                                  max_finite(f)),
+                [&] {
+                  return name_of(precision) + ": " + std::to_string(t_closest) + " - " +
+                         std::to_string(t_shift);
+                });
+  }
+  return tally.result();
+}
+
 PropertyResult check_qbox(std::uint64_t seed, std::uint64_t cases, bool stop_early) {
   return over_cases(
       seed, cases, stop_early,
@@ -362,6 +386,7 @@ const std::vector<Property>& all_properties() {
       {"SlabTestNeverMissesAndEntersEarly", check_slab},
       {"SlabTestKeepsGrazedEdges", check_slab_edges},
       {"QuantizedRayContainsTheExactRay", check_ray_quantizer},
+      {"WhatRemainsOfARayIsNeverTooShort", check_remaining},
       {"QuantizedTestNeverMisses", check_qbox},
       {"PowerOfTwoGridsContainTheExactBoxes", check_pow2},
   };

@@ -43,6 +43,8 @@ enum class Mutant {
   kTinyRateBecomesParallel,
   kHugeRateKeepsZero,
   kLeftRoundsDown,
+  kLeftShortCutTruncates,
+  kLeftShortCutAlways,
   kQBoxUsesWrongOriginBound,
   kQBoxNegativeDirectionSwapsPlanes,
   kQBoxStrictCompare,
