@@ -10,9 +10,9 @@ namespace {
 bvh::ClassifyConfig read_classification(const config::Section& unit) {
   const config::Section s = unit.table("classify");
   bvh::ClassifyConfig c;
-  c.area_ratio = s.number("area_ratio", 0.002, 0, 1, "of the group's area", "S_t of equation 5");
+  c.area_ratio = s.number("area_ratio", 0.02, 0, 1, "of the group's area", "S_t of equation 5");
   c.length_ratio =
-      s.number("length_ratio", 0.002, 0, 1, "of the group's length", "L_t of equation 5");
+      s.number("length_ratio", 0.02, 0, 1, "of the group's length", "L_t of equation 5");
   c.leaf = s.choice("leaf", "sub", {"sub", "group"}, "What a leaf that fails equation 5 becomes") ==
                    "sub"
                ? bvh::LeafPolicy::kSub

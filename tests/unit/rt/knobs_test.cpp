@@ -31,12 +31,18 @@ TEST(Knobs, SmallerLeavesMakeMoreOfThem) {
             structure("baseline", w).leaf_nodes);
 }
 
-TEST(Knobs, HigherThresholdsMakeMoreGroups) {
+TEST(Knobs, EachThresholdAloneMakesGroups) {
   const Workload w = scene(Shape::kSoup, 2000);
-  EXPECT_GT(structure("a2rt", w, "[classify]\narea_ratio = 0.2").group_nodes,
-            structure("a2rt", w, "[classify]\narea_ratio = 0.0").group_nodes);
-  EXPECT_GT(structure("a2rt", w, "[classify]\nlength_ratio = 0.2").group_nodes,
-            structure("a2rt", w, "[classify]\nlength_ratio = 0.0").group_nodes);
+  const auto groups = [&](const std::string& area, const std::string& length) {
+    return structure("a2rt", w, "[classify]\narea_ratio = " + area + "\nlength_ratio = " + length)
+        .group_nodes;
+  };
+  EXPECT_GT(groups("0.2", "0.0"), groups("0.0", "0.0"));
+  EXPECT_GT(groups("0.0", "0.2"), groups("0.0", "0.0"));
+}
+
+TEST(Knobs, LeavesThatFailTheClassificationCanOpenGroups) {
+  const Workload w = scene(Shape::kSoup, 2000);
   EXPECT_GT(structure("a2rt", w, "[classify]\narea_ratio = 0.2\nleaf = 'group'").group_nodes,
             structure("a2rt", w, "[classify]\narea_ratio = 0.2\nleaf = 'sub'").group_nodes);
 }
