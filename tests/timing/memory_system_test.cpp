@@ -30,7 +30,7 @@ struct Memory : ::testing::Test {
     config.l2.slices_per_channel = 1;
   }
   void build() {
-    uut = std::make_unique<MemorySystem>(config, calendar);
+    uut = std::make_unique<MemorySystem>(config, calendar, calendar);
     sink = std::make_unique<Sink>();
     uut->connect(0, *sink, calendar);
   }

@@ -4,9 +4,10 @@
 
 namespace a2rt::timing {
 
-MemorySystem::MemorySystem(const MachineConfig& config, Calendar& calendar)
+MemorySystem::MemorySystem(const MachineConfig& config, Calendar& calendar, Calendar& dram_calendar)
     : config_(config),
       calendar_(calendar),
+      dram_calendar_(dram_calendar),
       l2_clock_(config.l2.mhz, config.core_mhz),
       sinks_(config.sm.count),
       sm_calendars_(config.sm.count),
@@ -23,8 +24,15 @@ MemorySystem::MemorySystem(const MachineConfig& config, Calendar& calendar)
   }
   for (std::uint32_t i = 0; i < config.l2.channels; ++i) {
     channels_.push_back(
-        std::make_unique<DramChannel>(config.dram, config.core_mhz, calendar, *this));
+        std::make_unique<DramChannel>(config.dram, config.core_mhz, dram_calendar, *this));
   }
+}
+
+// From a lookup to its answer at the SM, and to DRAM; from an eviction to DRAM.
+Cycles MemorySystem::stretch(const MachineConfig& config) {
+  const Cycles least =
+      std::min(config.l2.latency + config.l2.crossbar_latency, config.dram.extra_latency);
+  return std::max(least, Cycles{1});
 }
 
 std::uint32_t MemorySystem::allocate() {
@@ -54,7 +62,8 @@ void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address line, Sector
   requests_[index] = {line,    chunk / slices_.size() * step + line.value % step,
                       sm,      static_cast<std::uint32_t>(chunk % slices_.size()),
                       kNil,    kind,
-                      sectors, write};
+                      sectors, write,
+                      {}};
   const Cycles sent = std::max(leaves, sm_out_free_[sm]);
   sm_out_free_[sm] = sent + Cycles{sectors_in(sectors)};
   crossbar_sectors_ += write ? sectors_in(sectors) : 0;
@@ -69,6 +78,9 @@ void MemorySystem::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
   calendar_.progress();
   const Request& r = requests_[value];
   switch (what) {
+    case kFill:
+      fill(now, value);
+      break;
     case kAtSlice:
       at_slice(now, value);
       break;
@@ -124,18 +136,18 @@ void MemorySystem::at_slice(Cycles now, std::uint32_t index) {
   l2_counts_.hits[kind] += sectors_in(hits);
   const Cycles core = l2_clock_.to_core(start);
   if (hits != r.sectors) {
-    split(core, index, hits);
+    split(now, core, index, hits);
   } else {
-    respond(core + config_.l2.latency, index);
+    respond(now, core + config_.l2.latency, index);
   }
 }
 
 // Hits go back together; every missing sector becomes a request of its own.
-void MemorySystem::split(Cycles start, std::uint32_t index, SectorMask hits) {
+void MemorySystem::split(Cycles now, Cycles start, std::uint32_t index, SectorMask hits) {
   const Request whole = requests_[index];
   if (hits != 0) {
     requests_[index].sectors = hits;
-    respond(start + config_.l2.latency, index);
+    respond(now, start + config_.l2.latency, index);
   } else {
     release(index);
   }
@@ -156,6 +168,7 @@ void MemorySystem::split(Cycles start, std::uint32_t index, SectorMask hits) {
 void MemorySystem::miss(Cycles start, std::uint32_t index) {
   Request& r = requests_[index];
   Slice& slice = slices_[r.slice];
+  r.looked_up = start + config_.l2.latency;
   const auto kind = static_cast<std::size_t>(r.kind);
   std::uint32_t& head = slice.mshrs[bucket(r.local)];
   for (std::uint32_t i = head; i != kNil; i = requests_[i].next) {
@@ -178,7 +191,7 @@ void MemorySystem::miss(Cycles start, std::uint32_t index) {
   ++slice.mshrs_used;
   r.next = head;
   head = index;
-  calendar_.at(start + config_.l2.latency + config_.dram.extra_latency, *this, kAtDram, index);
+  dram_calendar_.at(r.looked_up + config_.dram.extra_latency, *this, kAtDram, index);
 }
 
 // A miss that had waited for an MSHR; its sector may have come meanwhile.
@@ -187,7 +200,7 @@ void MemorySystem::look_again(Cycles now, std::uint32_t index) {
   Slice& slice = slices_[r.slice];
   if (slice.tags.touch(Address{r.local}, r.sectors) != 0) {
     ++l2_counts_.hits[static_cast<std::size_t>(r.kind)];
-    respond(now + config_.l2.latency, index);
+    respond(now, now + config_.l2.latency, index);
   } else {
     miss(now, index);
   }
@@ -197,11 +210,9 @@ void MemorySystem::look_again(Cycles now, std::uint32_t index) {
   }
 }
 
-void MemorySystem::respond(Cycles ready, std::uint32_t index) {
+void MemorySystem::respond(Cycles now, Cycles ready, std::uint32_t index) {
   const Request& r = requests_[index];
-  Slice& slice = slices_[r.slice];
-  const Cycles sent = std::max(ready, slice.out_free);
-  slice.out_free = sent + Cycles{sectors_in(r.sectors)};
+  const Cycles sent = slices_[r.slice].out.take(now, ready, sectors_in(r.sectors));
   sm_calendars_[r.sm]->at(sent + config_.l2.crossbar_latency, *this, kAtSm, index);
 }
 
@@ -221,7 +232,7 @@ void MemorySystem::insert(Cycles now, std::uint32_t slice, std::uint64_t local, 
     r.slice = slice;
     r.kind = victim->kinds[s];
     r.write = true;
-    calendar_.at(now + config_.dram.extra_latency, *this, kWriteAtDram, index);
+    dram_calendar_.at(now + config_.dram.extra_latency, *this, kWriteAtDram, index);
   });
 }
 
@@ -231,25 +242,42 @@ std::uint64_t MemorySystem::channel_local(std::uint32_t slice, std::uint64_t loc
   return (local / step * per_channel + slice % per_channel) * step + local % step;
 }
 
+// The slice learns of the sector in its own time; those who wait for it are answered at once, as
+// the SMs may run before the slice does.
 void MemorySystem::dram_done(Cycles now, std::uint32_t tag) {
-  const std::uint32_t slice_index = requests_[tag].slice;
-  Slice& slice = slices_[slice_index];
-  const std::uint64_t local = requests_[tag].local;
-  std::uint32_t* link = &slice.mshrs[bucket(local)];
-  while (*link != tag) {
-    link = &requests_[*link].next;
-  }
-  *link = requests_[tag].next;
-  --slice.mshrs_used;
-  ++l2_counts_.fills;
-  if (!slice.tags.contains(Address{local})) {
-    insert(now, slice_index, local, requests_[tag].sectors, requests_[tag].kind, false);
-  }
-  for (std::uint32_t i = tag; i != kNil;) {
+  const std::uint32_t first = allocate();
+  requests_[first] = requests_[tag];
+  respond(now, now, first);
+  answer_merged(now, tag);
+  calendar_.at(now, *this, kFill, tag);
+}
+
+// Nobody is answered before its own lookup has come through the pipe.
+void MemorySystem::answer_merged(Cycles now, std::uint32_t index) {
+  std::uint32_t i = merged_[index];
+  merged_[index] = kNil;
+  while (i != kNil) {
     const std::uint32_t next = merged_[i];
-    respond(now, i);
+    respond(now, std::max(now, requests_[i].looked_up), i);
     i = next;
   }
+}
+
+void MemorySystem::fill(Cycles now, std::uint32_t index) {
+  const Request r = requests_[index];
+  Slice& slice = slices_[r.slice];
+  std::uint32_t* link = &slice.mshrs[bucket(r.local)];
+  while (*link != index) {
+    link = &requests_[*link].next;
+  }
+  *link = r.next;
+  --slice.mshrs_used;
+  ++l2_counts_.fills;
+  if (!slice.tags.contains(Address{r.local})) {
+    insert(now, r.slice, r.local, r.sectors, r.kind, false);
+  }
+  answer_merged(now, index);
+  release(index);
   if (!slice.blocked.empty()) {
     wake_blocked(now, slice);
   }

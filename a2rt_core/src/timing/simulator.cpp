@@ -14,7 +14,7 @@ class Machine final : public SmHost {
       : workload_(workload),
         config_(config),
         addresses_(workload, config),
-        memory_(config, memory_calendar_) {
+        memory_(config, slice_calendar_, dram_calendar_) {
     for (std::uint32_t i = 0; i < config.sm.count; ++i) {
       calendars_.push_back(std::make_unique<Calendar>());
       sms_.push_back(
@@ -29,6 +29,7 @@ class Machine final : public SmHost {
 
  private:
   void run_dispatch();
+  void run(Calendar& calendar, Cycles end);
   bool next_cycle(Cycles& next) const;
   Cycles last_progress() const;
   void check_progress() const;
@@ -41,10 +42,10 @@ class Machine final : public SmHost {
 
   const Workload& workload_;
   MachineConfig config_;
-  // One calendar per SM and one for the memory below: what goes from one to another takes at least
-  // the crossbar's latency, so each can run that far alone while its state is in the host's caches.
+  // One calendar per SM and two for the memory below: what goes from one to another takes at least
+  // MemorySystem::stretch(), so each runs that far alone while its state is in the host's caches.
   std::vector<std::unique_ptr<Calendar>> calendars_;
-  Calendar memory_calendar_;
+  Calendar dram_calendar_, slice_calendar_;
   Cycles now_;  // start of the stretch that runs
   Cycles end_;  // last cycle in which anything happened
   ShaderAddresses addresses_;
@@ -88,7 +89,7 @@ void Machine::ray_time(std::uint32_t ray, Cycles cycles) {
 }
 
 Cycles Machine::last_progress() const {
-  Cycles last = memory_calendar_.last_progress();
+  Cycles last = std::max(dram_calendar_.last_progress(), slice_calendar_.last_progress());
   for (const auto& calendar : calendars_) {
     last = std::max(last, calendar->last_progress());
   }
@@ -104,7 +105,8 @@ bool Machine::next_cycle(Cycles& next) const {
       any = true;
     }
   };
-  look(memory_calendar_);
+  look(dram_calendar_);
+  look(slice_calendar_);
   for (const auto& calendar : calendars_) {
     look(*calendar);
   }
@@ -128,6 +130,11 @@ void Machine::check_progress() const {
                                                   " cycles; state of the machine:\n" + dump());
 }
 
+void Machine::run(Calendar& calendar, Cycles end) {
+  calendar.run_before(end);
+  end_ = std::max(end_, calendar.now());
+}
+
 void Machine::run_dispatch() {
   const Cycles start = end_;
   now_ = start;
@@ -141,13 +148,12 @@ void Machine::run_dispatch() {
   }
   while (next_cycle(now_)) {
     check_progress();
-    const Cycles end = now_ + std::max(config_.l2.crossbar_latency, Cycles{1});
+    const Cycles end = now_ + MemorySystem::stretch(config_);
+    run(dram_calendar_, end);
     for (const auto& calendar : calendars_) {
-      calendar->run_before(end);
-      end_ = std::max(end_, calendar->now());
+      run(*calendar, end);
     }
-    memory_calendar_.run_before(end);
-    end_ = std::max(end_, memory_calendar_.now());
+    run(slice_calendar_, end);
   }
   A2RT_CHECK(queue_next_ == queue_.size() &&
                  std::all_of(sms_.begin(), sms_.end(), [](const auto& sm) { return sm->idle(); }),
@@ -317,7 +323,7 @@ void Machine::collect() {
   result_.crossbar_sectors = memory_.crossbar_sectors();
   result_.milliseconds =
       static_cast<double>(result_.cycles.value) / (static_cast<double>(config_.core_mhz) * 1e3);
-  result_.appointments = memory_calendar_.served();
+  result_.appointments = dram_calendar_.served() + slice_calendar_.served();
   for (const auto& calendar : calendars_) {
     result_.appointments += calendar->served();
   }

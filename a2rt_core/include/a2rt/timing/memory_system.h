@@ -2,9 +2,13 @@
 //
 // The crossbar moves one sector per cycle into and out of every SM and every slice. A slice starts
 // one sector's lookup per L2 cycle; a hit answers `latency` later, a miss reaches its DRAM channel
-// `extra_latency` after that. Ports and lookups are first come first served, so their queues are
-// no more than the cycle from which they are free. L2 writes back and allocates on write without
-// fetching (stores and spills are whole sectors).
+// `extra_latency` after that. Lookups and the SMs' sides of the crossbar are first come first
+// served, so their queues are no more than the cycle from which they are free; a slice's side
+// carries what is ready first. L2 writes back and allocates on write without fetching (stores and
+// spills are whole sectors).
+//
+// Time is run in stretches: first the DRAM channels, then the SMs, then the slices. What goes from
+// one to the next takes at least stretch() cycles, or has been decided in an earlier stretch.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +21,18 @@
 #include "a2rt/timing/clock.h"
 #include "a2rt/timing/dram_channel.h"
 #include "a2rt/timing/memory_port.h"
+#include "a2rt/timing/reserved_port.h"
 #include "a2rt/timing/tag_store.h"
 
 namespace a2rt::timing {
 
 class MemorySystem final : public Component, public LowerLevel, public DramChannel::Client {
  public:
-  MemorySystem(const MachineConfig& config, Calendar& calendar);
-  // `calendar` is the SM's; it may lag or lead this system's by less than the crossbar's latency,
-  // because nothing crosses faster.
+  // The slices run by `calendar`, the DRAM channels by `dram_calendar`; they may be the same.
+  MemorySystem(const MachineConfig& config, Calendar& calendar, Calendar& dram_calendar);
+  // Cycles for which DRAM, then the SMs, then the slices can each run alone.
+  static Cycles stretch(const MachineConfig& config);
+  // `calendar` is the SM's; it may be ahead of the slices' by stretch().
   void connect(std::uint32_t sm, LineSink& sink, Calendar& calendar) {
     sinks_.at(sm) = &sink;
     sm_calendars_.at(sm) = &calendar;
@@ -47,7 +54,7 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   void check_drained() const override;
 
  private:
-  enum Wake : std::uint32_t { kAtSlice, kLookAgain, kAtDram, kWriteAtDram, kAtSm };
+  enum Wake : std::uint32_t { kAtSlice, kLookAgain, kAtDram, kWriteAtDram, kFill, kAtSm };
   static constexpr std::uint32_t kNil = 0xffffffffu;
   // Sectors of one line on their way; below the L2's lookup, misses go one by one.
   struct Request {
@@ -57,11 +64,12 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
     Traffic kind = Traffic::kNone;
     SectorMask sectors = 0;
     bool write = false;
+    Cycles looked_up;  // end of its way through the L2's pipe
   };
   struct Slice {
     TagStore tags;
     Cycles lookup_free;                // L2 clock
-    Cycles out_free;                   // core clock
+    ReservedPort out;                  // core clock
     std::vector<std::uint32_t> mshrs;  // hash buckets of request indices, chained by `next`
     std::uint32_t mshrs_used = 0;
     std::deque<std::uint32_t> blocked;
@@ -69,12 +77,14 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   std::uint32_t allocate();
   void release(std::uint32_t index);
   void at_slice(Cycles now, std::uint32_t index);
-  void split(Cycles start, std::uint32_t index, SectorMask hits);
+  void split(Cycles now, Cycles start, std::uint32_t index, SectorMask hits);
   void look_again(Cycles now, std::uint32_t index);
   void miss(Cycles start, std::uint32_t index);
   void wake_blocked(Cycles now, Slice& slice);
+  void fill(Cycles now, std::uint32_t index);
+  void answer_merged(Cycles now, std::uint32_t index);
   void deliver(Cycles now, std::uint32_t index);
-  void respond(Cycles ready, std::uint32_t index);
+  void respond(Cycles now, Cycles ready, std::uint32_t index);
   void insert(Cycles now, std::uint32_t slice, std::uint64_t local, SectorMask sectors,
               Traffic kind, bool dirty);
   std::uint64_t channel_local(std::uint32_t slice, std::uint64_t local) const;
@@ -85,6 +95,7 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
 
   MachineConfig config_;
   Calendar& calendar_;
+  Calendar& dram_calendar_;
   ClockDomain l2_clock_;
   std::vector<Slice> slices_;
   std::vector<std::unique_ptr<DramChannel>> channels_;
