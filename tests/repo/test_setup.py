@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from a2rt_cli import app
 from a2rt_cli.errors import UserError
 from a2rt_cli.paths import SCRIPTS
 from a2rt_cli.setup import debian
+from a2rt_cli.setup.needs import Need
 
 DEB822 = """# a comment
 Types: deb deb-src
@@ -70,8 +72,42 @@ def test_only_the_driver_comes_from_backports():
     assert names == list(dict.fromkeys(names))
 
 
+@pytest.mark.parametrize(
+    ("need", "chromium", "clang"),
+    [
+        (Need.PYTHON, False, False),
+        (Need.ENGINE, False, False),
+        (Need.SWEEP, False, False),
+        (Need.TESTS, True, False),
+        (Need.SLOW_TESTS, True, True),
+    ],
+)
+def test_only_the_tests_install_a_browser_and_only_the_slow_ones_clang(need, chromium, clang):
+    names = [package.name for package in debian.wanted_packages(need)]
+    assert ("chromium" in names) is chromium
+    assert ("clang" in names and "libclang-rt-dev" in names) is clang
+    assert "cmake" in names
+
+
+@pytest.mark.parametrize(
+    ("words", "need"),
+    [
+        ([], Need.TESTS),
+        (["--tier", "fast"], Need.TESTS),
+        (["--tier", "slow"], Need.SLOW_TESTS),
+        (["--tier", "all"], Need.SLOW_TESTS),
+    ],
+)
+def test_the_tier_says_how_much_is_installed(words, need):
+    arguments = app.build_parser().parse_args(["test", *words])
+    assert arguments.module.NEED(arguments) is need
+
+
 def test_install_commands_name_the_suite_only_for_the_driver():
-    packages = [debian.Package("cmake"), debian.Package("mesa-vulkan-drivers", "25.0", True)]
+    packages = [
+        debian.Package("cmake"),
+        debian.Package("mesa-vulkan-drivers", "25.0", True),
+    ]
     plain, ported = debian.install_commands(packages, "bookworm-backports")
     assert plain[-1] == "cmake" and "-t" not in plain
     assert ported[-3:] == ["-t", "bookworm-backports", "mesa-vulkan-drivers"]

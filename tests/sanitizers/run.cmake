@@ -12,9 +12,10 @@ if(MODE STREQUAL "suites")
   set(SELECT --label-regex "^fast$"
     --exclude-regex "_NOT_BUILT|^(repo|e2e|hard_cases_page)\\.")
 elseif(MODE STREQUAL "fuzzers")
-  find_program(CLANG NAMES clang++ clang++-19 clang++-17 clang++-16 clang++-15 clang++-14)
+  find_program(CLANG NAMES clang++ clang++-19 clang++-18 clang++-17 clang++-16 clang++-15
+    clang++-14)
   if(NOT CLANG)
-    message("SKIPPED: the fuzzers need libFuzzer; get it with: apt-get install clang")
+    message("SKIPPED: the fuzzers need libFuzzer; get it with: apt-get install clang libclang-rt-dev")
     return()
   endif()
   list(APPEND OPTIONS -DCMAKE_CXX_COMPILER=${CLANG} -DA2RT_BUILD_FUZZERS=ON

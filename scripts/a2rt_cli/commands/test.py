@@ -16,8 +16,13 @@ EXAMPLES = """  scripts/a2rt test                    the fast tier
   scripts/a2rt test --tier all         everything
   scripts/a2rt test --only hard_cases  the tests whose names contain hard_cases
 """
-NEED = Need.TESTS
 PARALLEL = 2
+
+
+def NEED(args: argparse.Namespace) -> Need:
+    return Need.TESTS if args.tier == "fast" else Need.SLOW_TESTS
+
+
 # Written by the slow tier's test of the guarantee: found and redundant rates of every design.
 FOUND_RATES = "tests/unit/arith/guarantee-1000000000.txt"
 

@@ -48,6 +48,20 @@ def _packages() -> Iterator[Finding]:
     yield Finding("Debian packages", "missing", names, remedy)
 
 
+def _test_packages() -> Iterator[Finding]:
+    for need, title in (
+        (Need.TESTS, "Debian packages of the tests"),
+        (Need.SLOW_TESTS, "Debian packages of the slow tests"),
+    ):
+        names = " ".join(
+            package.name for package in debian.missing_packages(need) if package.least_need is need
+        )
+        if names:
+            yield Finding(title, "optional", f"missing: {names}", f"apt-get install {names}")
+        else:
+            yield Finding(title, "ok", "installed")
+
+
 def _compilers() -> Iterator[Finding]:
     for program in ("g++", "cmake", "ninja", "glslangValidator"):
         if shutil.which(program):
@@ -108,6 +122,7 @@ def _scenes() -> Iterator[Finding]:
 
 CHECKS: tuple[Callable[[], Iterator[Finding]], ...] = (
     _packages,
+    _test_packages,
     _compilers,
     _driver,
     _python,

@@ -17,8 +17,10 @@ from pathlib import Path
 from a2rt_cli.errors import UserError
 from a2rt_cli.paths import LOGS, SCRIPTS
 from a2rt_cli.process import ProgramFailed, run_logged
+from a2rt_cli.setup.needs import Need
 
 PACKAGE_FILE = SCRIPTS / "packages.txt"
+_LEAST_NEEDS = {"tests:": Need.TESTS, "slow:": Need.SLOW_TESTS}
 APT_FOLDER = Path("/etc/apt")
 BACKPORTS_FILE = "a2rt-backports.sources"
 
@@ -28,7 +30,7 @@ class Package:
     name: str
     least: str = ""  # least upstream version, e.g. "25.0"
     backports: bool = False
-    tests_only: bool = False
+    least_need: Need = Need.PYTHON  # first level of commands that wants it
 
 
 @dataclass(frozen=True)
@@ -49,17 +51,17 @@ def read_packages(text: str) -> list[Package]:
             continue
         if words[0] == "backports:":
             packages.append(Package(words[1], words[2], backports=True))
-        elif words[0] == "tests:":
-            packages.append(Package(words[1], tests_only=True))
+        elif words[0] in _LEAST_NEEDS:
+            packages.append(Package(words[1], least_need=_LEAST_NEEDS[words[0]]))
         else:
             packages.append(Package(words[0]))
     return packages
 
 
-def wanted_packages(tests: bool = False) -> list[Package]:
-    """What the commands need; with `tests`, also what only the tests need."""
+def wanted_packages(need: Need = Need.ENGINE) -> list[Package]:
+    """What commands of this need want."""
     everything = read_packages(PACKAGE_FILE.read_text(encoding="utf-8"))
-    return [package for package in everything if tests or not package.tests_only]
+    return [package for package in everything if need.includes(package.least_need)]
 
 
 def codename() -> str:
@@ -163,8 +165,8 @@ def upstream_at_least(version: str, least: str) -> bool:
     return numbers(version) >= numbers(least)
 
 
-def missing_packages(tests: bool = False) -> list[Package]:
-    wanted = wanted_packages(tests)
+def missing_packages(need: Need = Need.ENGINE) -> list[Package]:
+    wanted = wanted_packages(need)
     have = installed_versions([package.name for package in wanted])
     return [
         package

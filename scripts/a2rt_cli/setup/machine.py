@@ -37,16 +37,22 @@ def _stamps() -> dict[str, str]:
         return {}
 
 
-def _ensure_packages(tests: bool) -> None:
-    stamp, key = ("test_packages" if tests else "packages"), _packages_key()
+def _packages_stamp(need: Need) -> str:
+    if need is Need.SLOW_TESTS:
+        return "slow_test_packages"
+    return "test_packages" if need.tests else "packages"
+
+
+def _ensure_packages(need: Need) -> None:
+    stamp, key = _packages_stamp(need), _packages_key()
     if _stamps().get(stamp) == key:
         return
-    missing = debian.missing_packages(tests)
+    missing = debian.missing_packages(need)
     if missing:
         console.note(f"Packages to install: {' '.join(package.name for package in missing)}")
         with console.step("Installing packages") as shown:
             debian.install(missing, shown.update)
-        left = debian.missing_packages(tests)
+        left = debian.missing_packages(need)
         if left:
             raise UserError(
                 f"still missing after the installation: {', '.join(p.name for p in left)}",
@@ -100,8 +106,8 @@ def _continue_in_environment() -> None:
 
 def prepare(need: Need) -> None:
     """Makes `need` true or raises UserError. Prints nothing on a machine that is ready."""
-    _ensure_packages(tests=need is Need.TESTS)
-    if need >= Need.ENGINE and need is not Need.TESTS and python_env.missing(need):
+    _ensure_packages(need)
+    if need >= Need.ENGINE and not need.tests and python_env.missing(need):
         # The compiler needs the processors and the installation mostly waits: both at once. The
         # tests' build is left out because it asks the environment's interpreter.
         environment = _Background(lambda: python_env.create(need, lambda *_: None))
@@ -112,4 +118,4 @@ def prepare(need: Need) -> None:
         _install_python(need)
     _continue_in_environment()
     if need >= Need.ENGINE:
-        build.ensure(tests=need is Need.TESTS)
+        build.ensure(tests=need.tests)

@@ -18,9 +18,9 @@ _REMEDY = "check the network, then run the command again; `scripts/a2rt doctor` 
 def requirement_files(need: Need) -> list[Path]:
     """Requirement files of a need; the heavy ones only where a command calls for them."""
     files = [SCRIPTS / "requirements.txt"]
-    if need is Need.TESTS:
+    if need.tests:
         files.append(SCRIPTS / "requirements-dev.txt")
-    if need in (Need.TESTS, Need.SWEEP):
+    if need.tests or need is Need.SWEEP:
         files.append(SCRIPTS / "requirements-sweep.txt")
     return files
 
