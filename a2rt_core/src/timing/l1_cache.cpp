@@ -133,9 +133,35 @@ L1Cache::Lookup L1Cache::read(Cycles now, Port& port, Address line, SectorMask s
 // Sends the accepted sectors, in order.
 void L1Cache::enter_all(Cycles now, Port& port, Address line, Lookup& lookup) {
   const std::uint64_t base = line.value / kSectorBytes;
+  if (port.simple()) {
+    enter_simple(now, port, base, lookup);
+    return;
+  }
   for_each_sector(lookup.accepted, [&](std::uint32_t s) {
     lookup.ready[s] = enter(now, port, base + s) + config_.latency;
   });
+}
+
+// enter_all() through a port of one sector a cycle.
+void L1Cache::enter_simple(Cycles now, Port& port, std::uint64_t base, Lookup& lookup) {
+  std::uint64_t ahead = port.next(now).value - banks_.base().value;
+  std::uint32_t rest = lookup.accepted;
+  std::uint64_t last = ahead;
+  for (; rest != 0; rest &= rest - 1, ++ahead) {
+    const auto s = static_cast<std::uint32_t>(std::countr_zero(rest));
+    std::uint64_t& taken = banks_.bits(banks_.of(base + s));
+    A2RT_CHECK(ahead < 64, "a bank was asked about a cycle it does not hold");
+    const auto wait = static_cast<std::uint64_t>(std::countr_one(taken >> ahead));
+    counts_.bank_conflicts += wait;
+    ahead += wait;
+    A2RT_CHECK(ahead < 64, "a bank was asked about a cycle it does not hold");
+    taken |= std::uint64_t{1} << ahead;
+    last = ahead;
+    lookup.ready[s] = banks_.base() + Cycles{ahead} + config_.latency;
+  }
+  if (lookup.accepted != 0) {
+    port.use_until(banks_.base() + Cycles{last}, sectors_in(lookup.accepted));
+  }
 }
 
 void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind) {

@@ -28,10 +28,10 @@ MemorySystem::MemorySystem(const MachineConfig& config, Calendar& calendar, Cale
   }
 }
 
-// From a lookup to its answer at the SM, and to DRAM; from an eviction to DRAM.
+// From a lookup to its answer at the SM, and to DRAM.
 Cycles MemorySystem::stretch(const MachineConfig& config) {
   const Cycles least =
-      std::min(config.l2.latency + config.l2.crossbar_latency, config.dram.extra_latency);
+      config.l2.latency + std::min(config.l2.crossbar_latency, config.dram.extra_latency);
   return std::max(least, Cycles{1});
 }
 
@@ -64,6 +64,7 @@ void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address line, Sector
                       kNil,    kind,
                       sectors, write,
                       {}};
+  slices_[chunk % slices_.size()].tags.prefetch(Address{requests_[index].local});
   const Cycles sent = std::max(leaves, sm_out_free_[sm]);
   sm_out_free_[sm] = sent + Cycles{sectors_in(sectors)};
   crossbar_sectors_ += write ? sectors_in(sectors) : 0;
@@ -232,7 +233,9 @@ void MemorySystem::insert(Cycles now, std::uint32_t slice, std::uint64_t local, 
     r.slice = slice;
     r.kind = victim->kinds[s];
     r.write = true;
-    dram_calendar_.at(now + config_.dram.extra_latency, *this, kWriteAtDram, index);
+    // What is thrown out leaves by the same pipe as a miss.
+    dram_calendar_.at(now + config_.l2.latency + config_.dram.extra_latency, *this, kWriteAtDram,
+                      index);
   });
 }
 

@@ -58,49 +58,43 @@ std::uint16_t RequestTable::obtain(Cycles now, std::uint64_t line, Traffic kind)
   return index;
 }
 
-void RequestTable::add_line(Cycles now, std::uint32_t lane, std::uint16_t index, SectorMask wanted,
-                            Added& added) {
+void RequestTable::add_line(Cycles now, std::uint32_t lane, std::uint64_t line, SectorMask wanted,
+                            Traffic kind, Added& added) {
+  const std::uint16_t index = obtain(now, line, kind);
   Entry& entry = entries_[index];
-  if (entry.known <= now) {
-    entry.arriving = 0;
+  const std::uint32_t bit = 1u << lane;
+  SectorMask waits = wanted;
+  if (entry.arriving != 0) {
+    if (entry.known <= now) {
+      entry.arriving = 0;
+    } else if (const auto coming = static_cast<SectorMask>(wanted & entry.arriving); coming != 0) {
+      added.ready = std::max(added.ready, entry.known);
+      added.sectors += sectors_in(coming);
+      waits = static_cast<SectorMask>(wanted & ~coming);
+      if (waits == 0) {
+        return;
+      }
+    }
   }
   const bool was_busy = entry.busy(), was_queued = entry.to_send != 0;
-  const auto coming = static_cast<SectorMask>(wanted & entry.arriving);
-  if (coming != 0) {
-    added.ready = std::max(added.ready, entry.known);
-    added.sectors += sectors_in(coming);
+  SectorMask already = 0;
+  if (was_busy) {
+    for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
+      already = static_cast<SectorMask>(already | (entry.lanes[s] >> lane & 1) << s);
+    }
   }
-  const std::uint32_t bit = 1u << lane;
-  const bool waited =
-      ((entry.lanes[0] | entry.lanes[1] | entry.lanes[2] | entry.lanes[3]) & bit) != 0;
-  const auto waits = static_cast<SectorMask>(wanted & ~coming);
-  for_each_sector(waits, [&](std::uint32_t s) {
-    added.sectors += (entry.lanes[s] & bit) == 0;
-    entry.lanes[s] |= bit;
-  });
-  added.lines += waits != 0 && !waited;
-  entry.to_send = static_cast<SectorMask>(entry.to_send | (wanted & ~(coming | entry.in_flight)));
+  for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
+    entry.lanes[s] |= (waits >> s & 1) != 0 ? bit : 0;
+  }
+  added.sectors += sectors_in(static_cast<SectorMask>(waits & ~already));
+  added.lines += already == 0;
+  entry.to_send = static_cast<SectorMask>(entry.to_send | (waits & ~entry.in_flight));
   if (!was_queued && entry.to_send != 0) {
     entry.queue_next = kNil;
     (first_ == kNil ? first_ : entries_[last_].queue_next) = index;
     last_ = index;
   }
-  live_ += !was_busy && entry.busy();
-}
-
-RequestTable::Added RequestTable::add(Cycles now, std::uint32_t lane, Address address,
-                                      std::uint32_t bytes, Traffic kind) {
-  const std::uint64_t first = address.value / kSectorBytes;
-  const std::uint64_t last = (address.value + bytes - 1) / kSectorBytes;
-  Added added;
-  for (std::uint64_t line = first / kSectorsPerLine; line <= last / kSectorsPerLine; ++line) {
-    const std::uint64_t base = line * kSectorsPerLine;
-    const std::uint64_t from = first > base ? first - base : 0;
-    const std::uint64_t to = std::min<std::uint64_t>(last - base, kSectorsPerLine - 1);
-    const auto wanted = static_cast<SectorMask>((2u << to) - (1u << from));
-    add_line(now, lane, obtain(now, line, kind), wanted, added);
-  }
-  return added;
+  live_ += !was_busy;
 }
 
 RequestTable::Next RequestTable::next() const {

@@ -13,6 +13,8 @@ std::uint32_t share(std::uint32_t total, std::uint32_t index, std::uint32_t unit
   return total / units + (index < total % units ? 1 : 0);
 }
 
+constexpr std::ptrdiff_t kEventsPerHostLine = 64 / sizeof(Event);
+
 // The tester an event goes to; kCount if it is not a test.
 constexpr auto kTesterOf = [] {
   std::array<Tester, static_cast<std::size_t>(EventKind::kCount)> testers{};
@@ -268,6 +270,8 @@ bool RtEngine::fetch(Cycles now, std::uint32_t slot, std::uint32_t l, Address ad
   want(now, s, l, address, bytes, kind);
   // A contiguous range of records of several kinds is one read of the unit.
   const std::vector<Event>& events = s.events[l];
+  // Many other lanes have their turn until this one reads on.
+  __builtin_prefetch(events.data() + lane.cursor + kEventsPerHostLine);
   std::uint64_t end = address.value + bytes;
   while (lane.cursor < events.size() && events[lane.cursor].kind == EventKind::kFetch &&
          events[lane.cursor].address == end && events[lane.cursor].traffic != Traffic::kResult) {

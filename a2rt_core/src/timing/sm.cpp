@@ -78,6 +78,8 @@ void Sm::set_state(Cycles now, std::uint32_t slot, State state) {
   account(now, scheduler);
   --scheduler.states[static_cast<std::size_t>(front.state)];
   ++scheduler.states[static_cast<std::size_t>(state)];
+  lsu_waiters_ += state == State::kLsu;
+  lsu_waiters_ -= front.state == State::kLsu;
   front.state = state;
 }
 

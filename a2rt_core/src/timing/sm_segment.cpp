@@ -258,7 +258,7 @@ void Sm::run_lsu(Cycles now) {
     lsu_.clear();
     lsu_head_ = 0;
   }
-  if (lsu_sectors_ < config_.sm.lsu_queue) {
+  if (lsu_waiters_ > 0 && lsu_sectors_ < config_.sm.lsu_queue) {
     const Cycles again = std::max(now + Cycles{1}, lsu_port_.end());
     for (std::uint32_t slot = 0; slot < fronts_.size(); ++slot) {
       if (fronts_[slot].state == State::kLsu) {

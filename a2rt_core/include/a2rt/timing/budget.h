@@ -41,6 +41,16 @@ class Port {
     A2RT_CHECK(used_ < limit_, "a port's bandwidth was overspent");
     ++used_;
   }
+  // A port that lets one use through in every core cycle.
+  bool simple() const { return limit_ == 1 && clock_.same(); }
+  // Uses a simple port in cycles of which `last` is the last; they were asked of next().
+  void use_until(Cycles last, std::uint64_t uses) {
+    A2RT_CHECK(last >= following_ || cycles_used_ == 0, "a port was used in the past");
+    cycle_ = last;
+    following_ = last + Cycles{1};
+    used_ = 1;
+    cycles_used_ += uses;
+  }
   // Cycles of its clock in which anything went through.
   std::uint64_t cycles_used() const { return cycles_used_; }
   // First core cycle after the last use.
@@ -75,6 +85,9 @@ class Banks {
   std::size_t of(std::uint64_t sector) const {
     return mask_ != kNoMask ? sector & mask_ : sector % taken_.size();
   }
+  // Cycle `base() + i` of a bank is bit i of it.
+  Cycles base() const { return base_; }
+  std::uint64_t& bits(std::size_t bank) { return taken_[bank]; }
   // Reserves the cycle; false if it is taken. Throws InternalError if it is too far away.
   bool take(std::size_t bank, Cycles at) {
     const std::uint64_t ahead = at.value - base_.value;

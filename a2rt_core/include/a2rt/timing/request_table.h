@@ -6,6 +6,7 @@
 // once, when the last of its sectors there has a time.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -29,7 +30,18 @@ class RequestTable {
     Cycles ready;               // when the sectors of known arrival are all there
   };
   // Lane `lane` wants the sectors of [address, address + bytes) at `now`.
-  Added add(Cycles now, std::uint32_t lane, Address address, std::uint32_t bytes, Traffic kind);
+  Added add(Cycles now, std::uint32_t lane, Address address, std::uint32_t bytes, Traffic kind) {
+    const std::uint64_t first = address.value / kSectorBytes;
+    const std::uint64_t last = (address.value + bytes - 1) / kSectorBytes;
+    Added added;
+    for (std::uint64_t line = first / kSectorsPerLine; line <= last / kSectorsPerLine; ++line) {
+      const std::uint64_t base = line * kSectorsPerLine;
+      const std::uint64_t from = first > base ? first - base : 0;
+      const std::uint64_t to = std::min<std::uint64_t>(last - base, kSectorsPerLine - 1);
+      add_line(now, lane, line, static_cast<SectorMask>((2u << to) - (1u << from)), kind, added);
+    }
+    return added;
+  }
 
   bool nothing_to_send() const { return first_ == kNil; }
   struct Next {
@@ -81,7 +93,7 @@ class RequestTable {
   std::uint32_t take(std::uint32_t token, SectorMask sectors, const SectorTimes& ready,
                      std::array<std::uint32_t, kSectorsPerLine>& lanes);
   std::uint16_t obtain(Cycles now, std::uint64_t line, Traffic kind);
-  void add_line(Cycles now, std::uint32_t lane, std::uint16_t index, SectorMask wanted,
+  void add_line(Cycles now, std::uint32_t lane, std::uint64_t line, SectorMask wanted, Traffic kind,
                 Added& added);
 
   std::vector<Entry> entries_;

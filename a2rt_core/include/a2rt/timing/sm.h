@@ -173,6 +173,7 @@ class Sm final : public Component, public RtHost, public L1Client {
   std::vector<LsuEntry> lsu_;
   std::size_t lsu_head_ = 0;
   std::uint32_t lsu_sectors_ = 0;  // queued
+  std::uint32_t lsu_waiters_ = 0;  // warps that wait for room in the queue
   bool lsu_booked_ = false, lsu_blocked_ = false;
   Port lsu_port_;
   std::vector<Address> scratch_;

@@ -49,6 +49,8 @@ class TagStore {
     }
     return found;
   }
+  // The line will be looked up soon.
+  void prefetch(Address line) const { __builtin_prefetch(&buckets_[hash(line_of(line))]); }
   // Those of the line's sectors that are valid.
   SectorMask valid(Address line) const {
     const std::uint32_t index = find(line_of(line));

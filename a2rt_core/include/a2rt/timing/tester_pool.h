@@ -41,11 +41,8 @@ class TesterPool {
   Cycles issue(Cycles at, std::uint32_t tests) {
     const std::uint64_t own = clock_.from_core(at).value;
     tests_ += tests;
-    if (interval_ == 1 && busy_in(own) + tests <= count_) [[likely]] {
-      set(own, busy_in(own) + tests);
-      return clock_.to_core(Cycles{own} + latency_);
-    }
-    const std::uint64_t start = reserve(own, tests);
+    forget_before(own);
+    const std::uint64_t start = interval_ == 1 ? reserve_pipelined(own, tests) : reserve(own, tests);
     queued_cycles_ += start - own;
     return clock_.to_core(Cycles{start} + latency_);
   }
@@ -59,33 +56,43 @@ class TesterPool {
 
  private:
   static constexpr std::size_t kLeastRing = 512;
-  // A cycle and how many testers are busy in it, in one word.
-  static constexpr std::uint32_t kBusyBits = 16;
-  std::uint64_t& word(std::uint64_t cycle) { return busy_[cycle & (busy_.size() - 1)]; }
-  std::uint32_t busy_in(std::uint64_t cycle) {
-    const std::uint64_t w = word(cycle);
-    return w >> kBusyBits == cycle ? static_cast<std::uint32_t>(w & 0xffff) : 0;
+  std::uint16_t& busy_in(std::uint64_t cycle) { return busy_[cycle & (busy_.size() - 1)]; }
+  // Nobody asks for the past any more: its places in the ring become free, some at a time.
+  void forget_before(std::uint64_t own) {
+    constexpr std::uint64_t kAtOnce = 64;
+    if (own < first_ + kDisorder + kAtOnce) [[likely]] {
+      return;
+    }
+    const std::uint64_t until = std::min(own - kDisorder, first_ + busy_.size());
+    for (; first_ < until; ++first_) {
+      busy_in(first_) = 0;
+    }
+    first_ = own - kDisorder;
   }
-  void set(std::uint64_t cycle, std::uint32_t busy) {
-    A2RT_CHECK(busy <= count_, "more tests were started than there are testers");
-    word(cycle) = cycle << kBusyBits | busy;
+  // Makes the ring hold `cycle` and the interval from it on.
+  void reach(std::uint64_t cycle) {
+    while (cycle + interval_ > first_ + busy_.size()) [[unlikely]] {
+      std::vector<std::uint16_t> old(busy_.size() * 2);
+      old.swap(busy_);
+      for (std::uint64_t c = first_; c < first_ + old.size(); ++c) {
+        busy_in(c) = old[c & (old.size() - 1)];
+      }
+    }
   }
   // Tests that can start in `cycle`.
   std::uint32_t room(std::uint64_t cycle) {
     std::uint32_t most = busy_in(cycle);
     for (std::uint64_t i = 1; i < interval_; ++i) {
-      most = std::max(most, busy_in(cycle + i));
+      most = std::max<std::uint32_t>(most, busy_in(cycle + i));
     }
     return count_ - most;
   }
   // Gives the tests the first cycles with room; returns the cycle of the last.
   std::uint64_t reserve(std::uint64_t own, std::uint32_t tests) {
-    std::uint64_t cycle = own >= full_from_ && own < full_until_ ? full_until_ : own;
+    std::uint64_t cycle = first_with_room(own);
     std::uint64_t start = cycle;
     for (std::uint32_t left = tests; left > 0; ++cycle) {
-      while (cycle - own + interval_ + 2 * kDisorder > busy_.size()) [[unlikely]] {
-        grow(own);
-      }
+      reach(cycle);
       const std::uint32_t taken = std::min(left, room(cycle));
       if (taken == 0) {
         note_full(cycle);
@@ -94,10 +101,30 @@ class TesterPool {
       start = cycle;
       left -= taken;
       for (std::uint64_t c = cycle; c < cycle + interval_; ++c) {
-        set(c, busy_in(c) + taken);
+        busy_in(c) = static_cast<std::uint16_t>(busy_in(c) + taken);
       }
     }
     return start;
+  }
+  // The same for testers that take a test every cycle.
+  std::uint64_t reserve_pipelined(std::uint64_t own, std::uint32_t tests) {
+    for (std::uint64_t cycle = first_with_room(own);; ++cycle) {
+      reach(cycle);
+      std::uint16_t& busy = busy_in(cycle);
+      const std::uint32_t taken = std::min(tests, count_ - busy);
+      if (taken == 0) {
+        note_full(cycle);
+        continue;
+      }
+      busy = static_cast<std::uint16_t>(busy + taken);
+      tests -= taken;
+      if (tests == 0) {
+        return cycle;
+      }
+    }
+  }
+  std::uint64_t first_with_room(std::uint64_t own) const {
+    return own >= full_from_ && own < full_until_ ? full_until_ : own;
   }
   // A run of cycles without room, so that requests behind a long queue need not walk it.
   void note_full(std::uint64_t cycle) {
@@ -108,22 +135,12 @@ class TesterPool {
       full_until_ = cycle + 1;
     }
   }
-  // Twice the ring; keeps what requests from cycle `own` - kDisorder on can still ask for.
-  void grow(std::uint64_t own) {
-    std::vector<std::uint64_t> old(busy_.size() * 2);
-    old.swap(busy_);
-    for (const std::uint64_t w : old) {
-      if ((w & 0xffff) != 0 && (w >> kBusyBits) + kDisorder >= own) {
-        word(w >> kBusyBits) = w;
-      }
-    }
-  }
-
   std::uint32_t count_ = 0;
   Cycles latency_{1};
   std::uint64_t interval_ = 1;
   ClockDomain clock_;
-  std::vector<std::uint64_t> busy_;  // ring over cycles of the RT clock
+  std::vector<std::uint16_t> busy_;  // ring over cycles of the RT clock, from `first_` on
+  std::uint64_t first_ = 0;
   std::uint64_t full_from_ = 0, full_until_ = 0;
   std::uint64_t tests_ = 0, queued_cycles_ = 0;
 };
