@@ -184,10 +184,11 @@ Json run_views(const Options& o, Progress& progress) {
                    {"hit_pixels", picture.hit_pixels},
                    {"lost", picture.lost},
                    {"farther", picture.farther},
-                   {"mechanisms", picture.mechanisms},
+                   {"mechanism", view.mechanism},
+                   {"lost_by_mechanism", picture.lost_by_mechanism},
                    {"shade", shade},
                    {"kind", kind}});
-    std::printf("view %-12s %llu of %llu pixels lost, %llu farther\n", view.key.c_str(),
+    std::printf("view %-16s %llu of %llu pixels lost, %llu farther\n", view.key.c_str(),
                 static_cast<unsigned long long>(picture.lost),
                 static_cast<unsigned long long>(picture.hit_pixels),
                 static_cast<unsigned long long>(picture.farther));

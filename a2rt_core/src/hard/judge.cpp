@@ -24,10 +24,7 @@ void judge_hit(const Workload& workload, const Ray& ray, const Hit& truth, const
     return;
   }
   ++cell.lost;
-  const auto most =
-      std::max_element(audit.missed_by_mechanism.begin(), audit.missed_by_mechanism.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
-  ++cell.lost_by_mechanism[most == audit.missed_by_mechanism.end() ? kNoDecision : most->first];
+  ++cell.lost_by_mechanism[blame(audit)];
 }
 
 }  // namespace
@@ -68,6 +65,13 @@ bool owes(const Workload& workload, const Ray& ray, const Hit& truth, const Hit&
                                driver_transform_direction(instance.world_to_object, ray.dir),
                                ray.tmin);
   return arith::ray_meets_box(exact, box, limit);
+}
+
+std::string blame(const Audit& audit) {
+  const auto most =
+      std::max_element(audit.missed_by_mechanism.begin(), audit.missed_by_mechanism.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == audit.missed_by_mechanism.end() ? kNoDecision : most->first;
 }
 
 std::vector<Hit> true_hits(const Workload& workload) {

@@ -1,6 +1,8 @@
 #include "a2rt/hard/views.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "a2rt/workload/driver_triangle.h"
 #include "case_builder.h"
@@ -56,20 +58,58 @@ Workload shifted(std::uint32_t side) { return parallel(side, {0x1.5p-17F, 0x1.9p
 Workload wrapped(std::uint32_t side) { return parallel(side, {0x1.4p-40F, 0x1.8p-36F, -1}, 3); }
 
 // Rays from far away: a unit in the last place of the origin is wide against the triangles.
-Workload from_afar(std::uint32_t side, float back) {
+Workload from_afar(std::uint32_t side, std::vector<Triangle> body) {
   CaseBuilder c(73);
-  c.blas(ball());
+  c.blas(std::move(body));
   const Vec3 d{0.3F, -0.2F, -1};
   for (std::uint32_t y = 0; y < side; ++y) {
     for (std::uint32_t x = 0; x < side; ++x) {
       const Vec3 target{place(x, side), -place(y, side), 0};
-      const Vec3 origin = target - back * d;
+      const Vec3 origin = target - 0x1p21F * d;
       c.ray(origin, target - origin);
     }
   }
   return c.finish();
 }
-Workload far_away(std::uint32_t side) { return from_afar(side, 0x1p21F); }
+Workload far_away(std::uint32_t side) { return from_afar(side, ball()); }
+Workload shells_far_away(std::uint32_t side) {
+  std::vector<Triangle> body = ball(), inner = ball();
+  for (Triangle& t : inner) {
+    for (Vec3& v : t.v) {
+      v = 0.999F * v;
+    }
+  }
+  body.insert(body.end(), inner.begin(), inner.end());
+  return from_afar(side, std::move(body));
+}
+
+// A cube whose faces are kTiles x kTiles tiles. Thirteenths are no FP32 numbers, so that rays
+// through the tiles' edges meet the planes of boxes at times that differ by rounding only.
+constexpr std::uint32_t kTiles = 13;
+float line(std::uint32_t i) {
+  return i == kTiles ? 1 : -1 + 2.0F * static_cast<float>(i) / static_cast<float>(kTiles);
+}
+
+// Pixels exactly on every vertex of the wall z = -1, on points of its edges, and between them.
+Workload tiled_wall(std::uint32_t side, const Vec3& eye) {
+  CaseBuilder c(74);
+  c.blas(subdivided_cube({{-1, -1, -1}, {1, 1, 1}}, kTiles));
+  const std::uint32_t pixels = std::max(1U, side / kTiles), last = kTiles * pixels;
+  const auto at = [&](std::uint32_t i) {
+    const std::uint32_t tile = i / pixels;
+    const float share = static_cast<float>(i % pixels) / static_cast<float>(pixels);
+    return share == 0 ? line(tile) : (1 - share) * line(tile) + share * line(tile + 1);
+  };
+  for (std::uint32_t y = 0; y <= last; ++y) {
+    for (std::uint32_t x = 0; x <= last; ++x) {
+      c.ray(eye, Vec3{at(x), at(last - y), -1} - eye);
+    }
+  }
+  return c.finish();
+}
+// From a point straight before a vertex; from the cube's diagonal.
+Workload from_inside(std::uint32_t side) { return tiled_wall(side, {line(5), line(8), line(10)}); }
+Workload from_the_diagonal(std::uint32_t side) { return tiled_wall(side, {3, 3, 3}); }
 
 // Light from the camera: the cosine between the ray and the triangle's plane.
 std::uint8_t brightness(const Workload& w, const Ray& ray, const Hit& hit) {
@@ -91,17 +131,39 @@ std::uint8_t brightness(const Workload& w, const Ray& ray, const Hit& hit) {
 const std::vector<View>& views() {
   static const std::vector<View> all{
       {"aqb8_zero", "aqb8_floor", "AQB8: a zero direction component",
+       "zero direction component: slope taken as 1",
        "A sphere from a camera that looks along an axis. The middle column and row have a "
        "component that is exactly 0; its reciprocal's infinite exponent is taken as slope 1.",
        pinhole},
       {"aqb8_shift", "aqb8_floor", "AQB8: 5-bit shift overflows 32 bits",
+       "5-bit shift overflows 32 bits (|d| < 2^-16)",
        "The sphere under parallel rays whose x and y components are about 2^-17.", shifted},
       {"aqb8_wrap", "aqb8_nearest", "AQB8: 5-bit exponent wraps",
-       "The same with components of 2^-40 and 2^-36.", wrapped},
-      {"aqb8_far", "aqb8_floor", "AQB8: FP32 cancellation",
+       "5-bit exponent wraps (|d| <= 2^-32)", "The same with components of 2^-40 and 2^-36.",
+       wrapped},
+      {"aqb8_far", "aqb8_floor", "AQB8: FP32 cancellation", "FP32 cancellation",
        "The sphere from two million radii away.", far_away},
+      {"aqb8_far_nearest", "aqb8_nearest", "AQB8: cancellation, rounding to nearest",
+       "FP32 cancellation or rounding to nearest", "The sphere from two million radii away.",
+       far_away},
+      {"aqb8_order", "aqb8_floor", "AQB8: entry distance too late",
+       "dropped when popped: entry distance too late",
+       "Two spheres from two million radii away, the inner one smaller by a thousandth: what the "
+       "inner one's hit cuts off is not looked at again.",
+       shells_far_away},
+      {"aqb8_anchor", "aqb8_floor", "AQB8: anchors tested without padding",
+       "anchor test: unpadded FP32",
+       "A wall of the tiled cube through the opposite ones, from its diagonal; pixels exactly on "
+       "the tiles' vertices and edges.",
+       from_the_diagonal},
       {"literal_far", "a2rt_literal", "A²RT as printed: origin clamped",
-       "The sphere from two million radii away.", far_away}};
+       "origin clamped to the group's range, or plain FP32 rounding of shift and scale",
+       "The sphere from two million radii away.", far_away},
+      {"literal_group", "a2rt_literal", "A²RT as printed: groups tested without padding",
+       "group test: unpadded FP32",
+       "A wall of a tiled cube from inside, straight before a vertex; pixels exactly on the tiles' "
+       "vertices and edges.",
+       from_inside}};
   return all;
 }
 
@@ -116,19 +178,19 @@ Picture draw(const View& view, std::uint32_t side) {
     const Ray& ray = workload.rays[i];
     Audit audit;
     const Hit found = unit->trace({&ray, {}}, audit);
-    for (const auto& [mechanism, count] : audit.missed_by_mechanism) {
-      picture.mechanisms[mechanism] += count;
-    }
     const bool hit = truth[i].state == HitState::kHit;
     picture.shade.push_back(hit ? brightness(workload, ray, truth[i]) : std::uint8_t{0});
     char kind = '.';
-    if (hit && found != truth[i]) {
-      kind = found.state == HitState::kHit ? 'F' : 'L';
+    if (hit && found != truth[i] && owes(workload, ray, truth[i], found)) {
+      const bool farther = found.state == HitState::kHit;
+      const std::string why = blame(audit);
+      const bool named = why == view.mechanism;
+      kind = farther ? (named ? 'F' : 'f') : (named ? 'L' : 'l');
+      ++picture.lost_by_mechanism[why];
+      ++(farther ? picture.farther : picture.lost);
     }
     picture.kind.push_back(kind);
     picture.hit_pixels += hit ? 1U : 0U;
-    picture.lost += kind == 'L' ? 1U : 0U;
-    picture.farther += kind == 'F' ? 1U : 0U;
   }
   return picture;
 }

@@ -16,8 +16,9 @@ NAME = "numerics.html"
 # Verdicts differ by symbol as well as by colour (Okabe and Ito's set).
 SYMBOLS = {"exact": "=", "conservative": "≥", "misses": "✕", "refuses": "–"}
 _LETTERS = "abcdefghijklmnopqrstuvwxyz"
-# Pixels that a unit loses, and that it finds behind something nearer.
-_LOST, _FARTHER = (213, 94, 0), (0, 114, 178)
+# Pixels that a unit loses, and those where it finds something farther; both also by a mechanism
+# that is not the picture's.
+_COLOURS = {"L": (213, 94, 0), "F": (0, 114, 178), "l": (240, 200, 175), "f": (175, 208, 228)}
 
 
 @dataclass(frozen=True)
@@ -209,14 +210,15 @@ def summary(found: dict[str, Any]) -> list[str]:
 
 
 def _pixels(view: dict[str, Any]):
-    """A view as an array (side, side, 3): grey body, lost pixels orange, farther ones blue."""
+    """A view as an array (side, side, 3): grey body, lost pixels orange, farther ones blue, pale
+    where another mechanism than the view's is the reason."""
     import numpy as np
 
     shade = np.array([list(bytes.fromhex(row)) for row in view["shade"]], dtype=np.float32)
     kind = np.array([list(row) for row in view["kind"]])
     body = np.where(shade > 0, 55 + 0.75 * shade, 250)
     out = np.repeat(body[:, :, None], 3, axis=2)
-    for letter, colour in (("L", _LOST), ("F", _FARTHER)):
+    for letter, colour in _COLOURS.items():
         where = kind == letter
         light = (0.6 + 0.4 * shade / 255)[:, :, None]
         out = np.where(where[:, :, None], light * np.array(colour, dtype=np.float32), out)
@@ -238,10 +240,12 @@ def write_pictures(found: dict[str, Any], out: Path) -> list[Path]:
 
 def _shots(found: dict[str, Any], out: Path) -> list[dict[str, str]]:
     titles = {unit["key"]: unit["title"] for unit in found["units"]}
+    letters = mechanisms(found)
     shots = []
     for view in found["views"]:
-        total = sum(view["mechanisms"].values()) or 1
-        by = "; ".join(f"{name} ({n / total:.0%})" for name, n in view["mechanisms"].items())
+        by = "; ".join(
+            f"{name}: {formats.count(n)}" for name, n in view["lost_by_mechanism"].items()
+        )
         counts = f"{formats.count(view['lost'])} of {formats.count(view['hit_pixels'])} pixels lost"
         if view["farther"]:
             counts += f", {formats.count(view['farther'])} show something farther"
@@ -249,8 +253,9 @@ def _shots(found: dict[str, Any], out: Path) -> list[dict[str, str]]:
             {
                 "source": data_uri(out / f"numerics-{view['key']}.png"),
                 "title": view["title"],
+                "letter": letters.get(view["mechanism"], ""),
                 "unit": titles.get(view["unit"], view["unit"]),
-                "detail": f"{view['what']} {counts}. Missed boxes: {by}.",
+                "detail": f"{view['what']} {counts}. By {by}.",
             }
         )
     return shots

@@ -69,7 +69,8 @@ def found() -> dict:
         "what": "A dot.",
         "side": 2,
     }
-    view |= {"hit_pixels": 2, "lost": 1, "farther": 0, "mechanisms": {"why": 3}}
+    view |= {"hit_pixels": 2, "lost": 1, "farther": 0, "mechanism": "why"}
+    view |= {"lost_by_mechanism": {"why": 1}}
     view |= {"shade": ["ff00", "ff00"], "kind": ["L.", ".."]}
     return {
         "units": UNITS,
@@ -111,6 +112,7 @@ def test_the_page_is_self_contained_and_escapes_what_it_shows(found, tmp_path):
     numerics.write_pictures(found, tmp_path)
     text = numerics.write(found, tmp_path).read_text(encoding="utf-8")
     assert "Flat &lt;groups&gt;" in text
+    assert "<b>a</b> <b>View</b>" in text  # the letter that the table of hard cases uses
     assert "data:image/png;base64," in text
     assert 'src="http' not in text and "<link" not in text
     assert numerics.link(tmp_path)[0] == "numerics.html"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "a2rt/hard/judge.h"
+#include "a2rt/hard/views.h"
 
 namespace a2rt::hard {
 namespace {
@@ -54,13 +55,13 @@ const std::vector<Failure> kAqb8Failures{{"axis_parallel", {kZero}},
 // Its step is zero or infinite: it cannot encode such groups.
 const std::vector<std::string> kAqb8Refuses{"denormal_extent", "huge_extent"};
 
-const std::vector<Failure> kLiteralFailures{{"flat", {kGroup}},
-                                            {"points", {kGroup}},
-                                            {"coincident", {kGroup}},
-                                            {"nested", {kClamp, kGroup}},
-                                            {"origin_far", {kClamp, kGroup}},
-                                            {"offset", {kClamp}},
-                                            {"singular", {kClamp}}};
+const std::vector<Failure> kLiteralFailures{
+    {"axis_parallel", {kGroup}},  {"nearer_axis", {kClamp}},
+    {"unnormalized", {kGroup}},   {"flat", {kGroup}},
+    {"huge_extent", {kClamp}},    {"points", {kGroup}},
+    {"slivers", {kGroup}},        {"coincident", {kGroup}},
+    {"nested", {kClamp, kGroup}}, {"origin_far", {kClamp, kGroup}},
+    {"offset", {kClamp}},         {"singular", {kClamp}}};
 
 const Failure* documented(const std::string& row, const std::string& column) {
   const std::vector<Failure>* list = column == "a2rt_literal"     ? &kLiteralFailures
@@ -104,6 +105,14 @@ std::uint64_t by_mechanism(const Audit& audit, const std::string& mechanism) {
   return count;
 }
 
+void expect_pictures(const std::map<std::string, std::uint64_t>& mechanisms) {
+  for (const auto& [mechanism, count] : mechanisms) {
+    EXPECT_TRUE(std::any_of(views().begin(), views().end(),
+                            [&](const View& view) { return view.mechanism == mechanism; }))
+        << "no picture shows: " << mechanism;
+  }
+}
+
 class HardCaseTest : public testing::TestWithParam<CellName> {};
 
 TEST_P(HardCaseTest, EndsAsDocumented) {
@@ -123,6 +132,8 @@ TEST_P(HardCaseTest, EndsAsDocumented) {
     traced += count;
   }
   EXPECT_EQ(traced, cell.missed()) << "every miss has a mechanism";
+  expect_pictures(cell.audit.missed_by_mechanism);
+  expect_pictures(cell.lost_by_mechanism);
   const Failure* failure = documented(row, column);
   if (failure == nullptr) {
     EXPECT_EQ(cell.missed(), 0U) << (traced == 0 ? ""

@@ -3,15 +3,22 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace a2rt::hard {
 namespace {
 
-TEST(Views, EachShowsLostPixelsOfABody) {
+TEST(Views, EachShowsPixelsThatItsMechanismLoses) {
   for (const View& view : views()) {
     const Picture picture = draw(view, 41);
     EXPECT_GT(picture.hit_pixels, picture.shade.size() / 5) << view.key;
-    EXPECT_GT(picture.lost + picture.farther, 0U) << view.key;
-    EXPECT_FALSE(picture.mechanisms.empty()) << view.key;
+    ASSERT_TRUE(picture.lost_by_mechanism.contains(view.mechanism)) << view.key;
+    const auto named = static_cast<std::ptrdiff_t>(picture.lost_by_mechanism.at(view.mechanism));
+    EXPECT_EQ(std::count(picture.kind.begin(), picture.kind.end(), 'L') +
+                  std::count(picture.kind.begin(), picture.kind.end(), 'F'),
+              named)
+        << view.key;
+    EXPECT_GE(picture.lost + picture.farther, static_cast<std::uint64_t>(named)) << view.key;
     EXPECT_EQ(picture.kind.size(), picture.shade.size());
   }
 }

@@ -56,6 +56,9 @@ struct Cell {
 // box of that triangle nowhere up to `found`: then FP32 rounding in the triangle test made the hit.
 bool owes(const Workload& workload, const Ray& ray, const Hit& truth, const Hit& found);
 
+// The mechanism of most of the boxes that a ray which lost its hit missed.
+std::string blame(const Audit& audit);
+
 // Brute force's closest hit per ray; a miss for rays that are no numbers.
 std::vector<Hit> true_hits(const Workload& workload);
 // `truth`: true_hits(workload).
