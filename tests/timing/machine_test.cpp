@@ -220,6 +220,24 @@ TEST(Watchdog, a_hanging_tester_stops_the_run_with_a_dump_of_every_part) {
   }
 }
 
+// Without MSHRs no miss can ever leave: the lanes wait for data that nobody fetches.
+TEST(Watchdog, a_real_deadlock_stops_the_run_and_shows_who_waits_for_what) {
+  ScriptedSource source;
+  MachineConfig config = one_sm();
+  config.l1.mshrs = 0;
+  source.everyone = {fetch(0)};
+  try {
+    simulate(rays_only(3), source, config);
+    FAIL() << "a machine that stands still was taken for one that is done";
+  } catch (const InternalError& e) {
+    const std::string text = e.what();
+    for (const char* part : {"nothing is left to happen", "in the RT unit", "blocked by MSHRs",
+                             "3 fetch", "0/0 MSHRs in use"}) {
+      EXPECT_NE(text.find(part), std::string::npos) << part << " is not in\n" << text;
+    }
+  }
+}
+
 TEST(Watchdog, a_slow_machine_that_makes_progress_is_left_alone) {
   ScriptedSource source;
   MachineConfig config = one_sm();

@@ -192,6 +192,36 @@ TEST_F(Memory, two_reads_of_a_sector_in_l2_flight_cost_one_dram_read) {
   uut->check_drained();
 }
 
+TEST_F(Memory, data_from_dram_do_not_wait_for_a_hit_that_is_ready_later) {
+  build();
+  time(0);
+  rest();
+  const Cycles start = calendar.now();
+  read(1024);
+  // Looked up while the other is still at DRAM, ready after it.
+  At later(calendar, start + Cycles{200}, [&](Cycles) { read(0); });
+  drain(calendar);
+  ASSERT_EQ(sink->arrived.size(), 3u);
+  EXPECT_EQ(sink->arrived[1].second, Address{1024});
+  EXPECT_EQ(sink->arrived[1].first, start + miss());
+  EXPECT_EQ(sink->arrived[2].first, start + Cycles{200} + hit());
+}
+
+TEST_F(Memory, a_read_that_joins_a_miss_at_its_end_still_takes_the_way_of_a_hit) {
+  build();
+  const Cycles late = miss() - Cycles{20};
+  time(config.dram.row.value);
+  rest();
+  const Cycles start = calendar.now();
+  read(config.dram.row.value + 1024);
+  At later(calendar, start + late, [&](Cycles) { read(config.dram.row.value + 1024); });
+  drain(calendar);
+  ASSERT_EQ(sink->arrived.size(), 3u);
+  EXPECT_EQ(sink->arrived[1].first, start + miss());
+  EXPECT_EQ(sink->arrived[2].first, start + late + hit());
+  EXPECT_EQ(uut->dram_counts().reads, 2u);
+}
+
 TEST_F(Memory, full_l2_mshrs_delay_but_lose_nothing) {
   config.l2.mshrs = 1;
   build();

@@ -37,6 +37,18 @@ TEST_F(Rt, a_fetch_that_hits_l1_costs_exactly_the_l1_latency) {
   EXPECT_EQ(time(1) - once, config.l1.latency);
 }
 
+TEST_F(Rt, a_result_is_stored_through_the_port_and_nothing_waits_for_it) {
+  source.everyone = {count_event(EventKind::kBoxTest)};
+  const SimulationResult plain = run(1);
+  source.everyone = {fetch(0, 40, Traffic::kResult), count_event(EventKind::kBoxTest)};
+  const SimulationResult stored = run(1);
+  EXPECT_EQ(stored.ray_cycles.sum(), plain.ray_cycles.sum());
+  EXPECT_EQ(stored.rt.stores_sent, 2u);
+  EXPECT_EQ(stored.l1.writes[static_cast<std::size_t>(Traffic::kResult)], 2u);
+  EXPECT_EQ(stored.l2.writes[static_cast<std::size_t>(Traffic::kResult)], 2u);
+  EXPECT_EQ(stored.rt.sectors_sent, 0u);
+}
+
 TEST_F(Rt, a_test_after_a_fetch_waits_for_the_data) {
   source.everyone = {fetch(0)};
   const Cycles alone = time(1);

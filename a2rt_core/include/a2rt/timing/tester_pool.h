@@ -42,7 +42,8 @@ class TesterPool {
     const std::uint64_t own = clock_.from_core(at).value;
     tests_ += tests;
     forget_before(own);
-    const std::uint64_t start = interval_ == 1 ? reserve_pipelined(own, tests) : reserve(own, tests);
+    const std::uint64_t start =
+        interval_ == 1 ? reserve_pipelined(own, tests) : reserve(own, tests);
     queued_cycles_ += start - own;
     return clock_.to_core(Cycles{start} + latency_);
   }
