@@ -166,7 +166,7 @@ Box instance_world_box(const Instance& instance, const Box& object_box, const Ra
   }
   const std::optional<Inverse> inverse = invert(m);
   if (!inverse) {
-    return {};
+    return unbounded_box();
   }
   const double inverse_norm = largest_entry(inverse->map);
   std::array<double, 3> reach_p{};

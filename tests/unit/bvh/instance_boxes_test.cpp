@@ -70,12 +70,22 @@ TEST(InstanceBox, StaysCloseForOrdinaryScenes) {
   }
 }
 
-TEST(InstanceBox, SingularAndNonFiniteMapsCannotBeHit) {
+// Found by the test of special values: rays still have an image under such a map.
+TEST(InstanceBox, SingularMapsCanBeHitFromAnywhere) {
   Instance instance;
   instance.blas = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    instance.world_to_object = Affine{};
+    instance.world_to_object.m[a][a] = 0;
+    EXPECT_EQ(instance_world_box(instance, kObject, {}), unbounded_box());
+  }
   instance.world_to_object = Affine{{{0, 0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 1}}};
-  EXPECT_FALSE(instance_world_box(instance, kObject, {}).valid());
-  instance.world_to_object = Affine{};
+  EXPECT_EQ(instance_world_box(instance, kObject, {}), unbounded_box());
+}
+
+TEST(InstanceBox, NonFiniteMapsAndNoStructureCannotBeHit) {
+  Instance instance;
+  instance.blas = 0;
   instance.world_to_object.m[1][1] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(instance_world_box(instance, kObject, {}).valid());
   instance.world_to_object = Affine{};

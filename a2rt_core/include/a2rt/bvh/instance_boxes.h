@@ -31,12 +31,13 @@ struct RayReach {
 // Reach of the rays that are traced into TLAS `tlas`.
 RayReach ray_reach(std::span<const Ray> rays, std::uint32_t tlas);
 
-// Box for instances whose bound does not converge (nearly singular maps): holds all that a scene
-// can contain while areas stay finite.
+// Box for instances without a bound: the world points that a singular map takes into the object
+// box reach infinitely far, and for nearly singular ones the bound does not converge. Holds all
+// that a scene can contain while areas stay finite.
 Box unbounded_box();
 
 // World box of one instance; empty if it cannot be hit: no BLAS, an empty BLAS, or a map with a
-// NaN, an infinity or determinant zero (the object ray then has no direction).
+// NaN or an infinity (the object ray is then inactive).
 Box instance_world_box(const Instance& instance, const Box& object_box, const RayReach& reach);
 
 }  // namespace a2rt::bvh
