@@ -16,6 +16,7 @@ constexpr std::array kExtensions = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME
                                     VK_KHR_RAY_TRACING_MAINTENANCE_1_EXTENSION_NAME,
                                     VK_EXT_MESH_SHADER_EXTENSION_NAME,
                                     VK_EXT_MULTI_DRAW_EXTENSION_NAME,
+                                    VK_EXT_TRANSFORM_FEEDBACK_EXTENSION_NAME,
                                     "VK_KHR_maintenance6"};  // not in older headers
 
 std::map<std::string, Run>& registered() {
@@ -105,8 +106,10 @@ void App::create_device() {
   }
   physical_ = *found;
 
+  VkPhysicalDeviceTransformFeedbackFeaturesEXT feedback{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TRANSFORM_FEEDBACK_FEATURES_EXT, nullptr, VK_TRUE, 0};
   VkPhysicalDeviceMultiDrawFeaturesEXT multi{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTI_DRAW_FEATURES_EXT, nullptr, VK_TRUE};
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTI_DRAW_FEATURES_EXT, &feedback, VK_TRUE};
   VkPhysicalDeviceMeshShaderFeaturesEXT mesh{};
   mesh.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MESH_SHADER_FEATURES_EXT;
   mesh.pNext = &multi;
@@ -129,6 +132,7 @@ void App::create_device() {
   twelve.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
   twelve.pNext = &structures;
   twelve.bufferDeviceAddress = VK_TRUE;
+  twelve.drawIndirectCount = VK_TRUE;
   VkPhysicalDeviceVulkan13Features thirteen{};
   thirteen.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
   thirteen.pNext = &twelve;
@@ -211,7 +215,10 @@ Buffer App::make_buffer(VkDeviceSize size, const void* data) {
   VkBufferCreateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
   info.size = std::max<VkDeviceSize>(size, 16);
-  info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
+  info.usage = VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_BUFFER_BIT_EXT |
+               VK_BUFFER_USAGE_TRANSFORM_FEEDBACK_COUNTER_BUFFER_BIT_EXT |
+               VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+               VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
                VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR |
                VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR |
                VK_BUFFER_USAGE_SHADER_BINDING_TABLE_BIT_KHR | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |

@@ -1,7 +1,5 @@
 // Ray queries in fragment shaders: by dynamic rendering, in a render pass, from secondary command
-// buffers, by multi-draw and by indirect mesh draws.
-#include <array>
-
+// buffers.
 #include "harness/canvas.h"
 
 namespace {
@@ -9,8 +7,6 @@ using namespace foreign;
 
 const std::vector<Stage> kVertexStages = {{VK_SHADER_STAGE_VERTEX_BIT, "full.vert"},
                                           {VK_SHADER_STAGE_FRAGMENT_BIT, "query.frag"}};
-const std::vector<Stage> kMeshStages = {{VK_SHADER_STAGE_MESH_BIT_EXT, "full.mesh"},
-                                        {VK_SHADER_STAGE_FRAGMENT_BIT, "query.frag"}};
 
 VkDescriptorSet make_scene(App& app) {
   const Structure grid = app.blas({app.triangles(wavy_grid(12), 0)});
@@ -38,31 +34,6 @@ void dynamic_rendering(App& app) {
 
 void render_pass(App& app) { draw_with(app, Canvas::Way::kRenderPass, kVertexStages, draw_all); }
 
-template <class Function>
-Function load(App& app, const char* name) {
-  const auto function = reinterpret_cast<Function>(vkGetDeviceProcAddr(app.device(), name));
-  if (function == nullptr) {
-    throw std::runtime_error(std::string("the driver has no ") + name);
-  }
-  return function;
-}
-
-void multi_draw(App& app) {
-  const auto draw = load<PFN_vkCmdDrawMultiEXT>(app, "vkCmdDrawMultiEXT");
-  draw_with(app, Canvas::Way::kRenderPass, kVertexStages, [&](VkCommandBuffer commands) {
-    const std::array<VkMultiDrawInfoEXT, 2> draws = {{{0, 3}, {3, 3}}};
-    draw(commands, static_cast<std::uint32_t>(draws.size()), draws.data(), 1, 0, sizeof(draws[0]));
-  });
-}
-
-void mesh_indirect(App& app) {
-  const auto draw = load<PFN_vkCmdDrawMeshTasksIndirectEXT>(app, "vkCmdDrawMeshTasksIndirectEXT");
-  const Buffer groups = app.make_buffer(std::vector<std::uint32_t>{1, 1, 1});
-  draw_with(app, Canvas::Way::kRendering, kMeshStages, [&](VkCommandBuffer commands) {
-    draw(commands, groups.handle, 0, 1, sizeof(VkDrawMeshTasksIndirectCommandEXT));
-  });
-}
-
 // The draw stands in a secondary command buffer that continues the render pass.
 void secondary_draw(App& app) {
   const VkDescriptorSet set = make_scene(app);
@@ -89,7 +60,5 @@ void secondary_draw(App& app) {
 
 const Program by_rendering("query_fragment", dynamic_rendering);
 const Program by_pass("query_render_pass", render_pass);
-const Program by_multi_draw("query_multi_draw", multi_draw);
-const Program by_mesh("query_mesh_indirect", mesh_indirect);
 const Program by_secondary("query_secondary", secondary_draw);
 }  // namespace
