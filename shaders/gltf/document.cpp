@@ -56,6 +56,11 @@ bool known_component(int type) {
          type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT || type == TINYGLTF_COMPONENT_TYPE_FLOAT;
 }
 
+// tinygltf before 2.9 keeps the offsets of sparse accessors as int, later ones as size_t.
+std::size_t offset_of(auto given) {
+  return static_cast<std::size_t>(std::max(std::int64_t{0}, static_cast<std::int64_t>(given)));
+}
+
 std::string one_line(std::string text) {
   while (!text.empty() && text.back() == '\n') {
     text.pop_back();
@@ -64,15 +69,26 @@ std::string one_line(std::string text) {
   return text;
 }
 
+// tinygltf's errors about files beside the glTF file are mended there, all others inside it.
+const char* remedy_of(const std::string& errors) {
+  for (const char* beside : {"File not found", "File size mismatch", "a file that it names"}) {
+    if (errors.find(beside) != std::string::npos) {
+      return "put the files that its buffers name beside it, or export it as one .glb file";
+    }
+  }
+  return kRepairFile;
+}
+
 }  // namespace
 
 Document::Document(const std::filesystem::path& file) : file_(file) {
   parse();
+  check_version();
   check_extensions();
 }
 
-void Document::fail(const std::string& what) const {
-  throw UserError(file_.string() + ": " + what);
+void Document::fail(const std::string& what, const std::string& remedy) const {
+  throw UserError(file_.string() + ": " + what + "; " + remedy);
 }
 
 void Document::warn(const std::string& what) {
@@ -84,7 +100,7 @@ void Document::warn(const std::string& what) {
 void Document::parse() {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file_, error)) {
-    fail("no such file; give a .gltf or .glb file or the name of an embedded scene");
+    fail("no such file", "give a .gltf or .glb file or the name of an embedded scene");
   }
   char magic[4] = {};
   std::ifstream(file_, std::ios::binary).read(magic, sizeof magic);
@@ -96,11 +112,21 @@ void Document::parse() {
   try {
     ok = binary ? loader.LoadBinaryFromFile(&model_, &errors, &warnings, file_.string())
                 : loader.LoadASCIIFromFile(&model_, &errors, &warnings, file_.string());
+  } catch (const std::bad_alloc&) {
+    errors = "a file that it names is a folder, or larger than memory";
   } catch (const std::exception& e) {
     errors = e.what();
   }
   if (!ok) {
-    fail("not a readable glTF 2.0 file: " + (errors.empty() ? "unknown reason" : one_line(errors)));
+    fail("not a readable glTF 2.0 file: " + (errors.empty() ? "unknown reason" : one_line(errors)),
+         remedy_of(errors));
+  }
+}
+
+void Document::check_version() const {
+  const std::string& version = model_.asset.version;
+  if (!version.starts_with("2.")) {
+    fail("its glTF version is '" + version + "'; only 2.x is read", "convert it to glTF 2.0");
   }
 }
 
@@ -112,7 +138,8 @@ void Document::check_extensions() {
     }
   }
   if (!missing.empty()) {
-    fail("the file requires " + missing + ", which this program does not support");
+    fail("the file requires " + missing + ", which this program does not support",
+         "export it without");
   }
   for (const std::string& name : model_.extensionsUsed) {
     if (!kSupported.contains(name)) {
@@ -191,11 +218,9 @@ void Document::add_sparse(Numbers& out, const tinygltf::Accessor& a, const std::
   if (!known_component(sparse.indices.componentType)) {
     fail(use + ": sparse indices have an unknown type");
   }
-  const Numbers at = read(sparse.indices.bufferView,
-                          static_cast<std::size_t>(std::max(0, sparse.indices.byteOffset)),
+  const Numbers at = read(sparse.indices.bufferView, offset_of(sparse.indices.byteOffset),
                           sparse.indices.componentType, 1);
-  const Numbers with = read(sparse.values.bufferView,
-                            static_cast<std::size_t>(std::max(0, sparse.values.byteOffset)),
+  const Numbers with = read(sparse.values.bufferView, offset_of(sparse.values.byteOffset),
                             a.componentType, out.components);
   for (std::size_t i = 0; i < at.count; ++i) {
     const double element = at.at(i, 0);
@@ -232,34 +257,35 @@ Numbers Document::numbers(int accessor, std::size_t wanted, const std::string& u
   return out;
 }
 
-const tinygltf::Value& member(const tinygltf::Value& object, const std::string& key) {
+const tinygltf::Value& member(const tinygltf::Value& object, std::string_view key) {
   static const tinygltf::Value kNull;
-  return object.IsObject() && object.Has(key) ? object.Get(key) : kNull;
+  const std::string name(key);
+  return object.IsObject() && object.Has(name) ? object.Get(name) : kNull;
 }
 
-const tinygltf::Value& extension(const tinygltf::ExtensionMap& all, const std::string& name) {
+const tinygltf::Value& extension(const tinygltf::ExtensionMap& all, std::string_view name) {
   static const tinygltf::Value kNull;
-  const auto it = all.find(name);
+  const auto it = all.find(std::string(name));
   return it == all.end() ? kNull : it->second;
 }
 
-double number_or(const tinygltf::Value& object, const std::string& key, double fallback) {
+double number_or(const tinygltf::Value& object, std::string_view key, double fallback) {
   const tinygltf::Value& v = member(object, key);
   return v.IsNumber() ? v.GetNumberAsDouble() : fallback;
 }
 
-bool boolean_or(const tinygltf::Value& object, const std::string& key, bool fallback) {
+bool boolean_or(const tinygltf::Value& object, std::string_view key, bool fallback) {
   const tinygltf::Value& v = member(object, key);
   return v.IsBool() ? v.Get<bool>() : fallback;
 }
 
-std::string text_or(const tinygltf::Value& object, const std::string& key,
+std::string text_or(const tinygltf::Value& object, std::string_view key,
                     const std::string& fallback) {
   const tinygltf::Value& v = member(object, key);
   return v.IsString() ? v.Get<std::string>() : fallback;
 }
 
-std::vector<double> array_of(const tinygltf::Value& object, const std::string& key) {
+std::vector<double> array_of(const tinygltf::Value& object, std::string_view key) {
   const tinygltf::Value& v = member(object, key);
   std::vector<double> numbers;
   if (v.IsArray()) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace a2rt::gltf {
@@ -19,13 +20,17 @@ struct Numbers {
   }
 };
 
+// What to do about a file that contradicts itself.
+inline constexpr const char* kRepairFile = "repair the file, or export it again";
+
 class Document {
  public:
   // Parses and checks the extensions. Throws UserError.
   explicit Document(const std::filesystem::path& file);
 
   const tinygltf::Model& model() const { return model_; }
-  [[noreturn]] void fail(const std::string& what) const;
+  // Throws UserError: file, what is wrong, what to do about it.
+  [[noreturn]] void fail(const std::string& what, const std::string& remedy = kRepairFile) const;
   void warn(const std::string& what);  // once per text
   const std::vector<std::string>& warnings() const { return warnings_; }
 
@@ -49,6 +54,7 @@ class Document {
 
  private:
   void parse();
+  void check_version() const;
   void check_extensions();
   void add_elements(Numbers& out, const tinygltf::Accessor& a, int index,
                     const std::string& use) const;
@@ -60,14 +66,14 @@ class Document {
 };
 
 // Values of extras and extensions, with a fallback when absent or of another type.
-double number_or(const tinygltf::Value& object, const std::string& key, double fallback);
-bool boolean_or(const tinygltf::Value& object, const std::string& key, bool fallback);
-std::string text_or(const tinygltf::Value& object, const std::string& key,
+double number_or(const tinygltf::Value& object, std::string_view key, double fallback);
+bool boolean_or(const tinygltf::Value& object, std::string_view key, bool fallback);
+std::string text_or(const tinygltf::Value& object, std::string_view key,
                     const std::string& fallback);
 // Numbers of an array; empty if absent or not an array of numbers.
-std::vector<double> array_of(const tinygltf::Value& object, const std::string& key);
+std::vector<double> array_of(const tinygltf::Value& object, std::string_view key);
 // The member, or null.
-const tinygltf::Value& member(const tinygltf::Value& object, const std::string& key);
-const tinygltf::Value& extension(const tinygltf::ExtensionMap& all, const std::string& name);
+const tinygltf::Value& member(const tinygltf::Value& object, std::string_view key);
+const tinygltf::Value& extension(const tinygltf::ExtensionMap& all, std::string_view name);
 
 }  // namespace a2rt::gltf

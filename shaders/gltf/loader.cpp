@@ -19,7 +19,7 @@ scene::Scene load(const std::filesystem::path& file, const LoadOptions& options)
   try {
     scene::validate(scene);
   } catch (const UserError& e) {
-    throw UserError(file.string() + ": " + e.what());
+    document.fail(e.what());
   }
   return scene;
 }

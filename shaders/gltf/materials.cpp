@@ -83,7 +83,7 @@ class Textures {
 
   std::uint32_t missing(const std::string& what) {
     if (!options_.allow_missing_textures) {
-      document_.fail(what + "; put it beside the file or allow missing textures");
+      document_.fail(what, "put it beside the file or allow missing textures");
     }
     document_.warn(what + "; its texture is left out");
     return kNoIndex;

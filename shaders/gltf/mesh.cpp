@@ -15,7 +15,9 @@ using scene::Primitive;
 struct Place {
   const Document& document;
   std::string text;
-  [[noreturn]] void fail(const std::string& what) const { document.fail(text + ": " + what); }
+  [[noreturn]] void fail(const std::string& what, const char* remedy = kRepairFile) const {
+    document.fail(text + ": " + what, remedy);
+  }
 };
 
 int attribute(const tinygltf::Primitive& p, const std::string& name) {
@@ -89,8 +91,8 @@ std::uint64_t drop_inactive(const Place& place, Primitive& p) {
     for (std::size_t c = 0; active && c < 3; ++c) {
       const glm::vec3& v = p.positions[p.indices[i + c]];
       if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
-        place.fail("vertex " + std::to_string(p.indices[i + c]) +
-                   " is not finite; mark a triangle as inactive by x = NaN or repair the file");
+        place.fail("vertex " + std::to_string(p.indices[i + c]) + " is not finite",
+                   "repair the file; x = NaN would mark a triangle as inactive");
       }
     }
     if (active) {

@@ -1,7 +1,9 @@
 #include "scene/scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
 #include <glm/vec4.hpp>
 
 #include "a2rt/base/error.h"
@@ -66,6 +68,35 @@ void validate_camera(const Scene& scene, const Camera& c) {
   check(std::isfinite(c.aperture) && c.aperture >= 0 && std::isfinite(c.focus_distance) &&
             c.focus_distance > 0,
         scene, where + "aperture must be 0 or more and the focus distance above 0");
+}
+
+bool has_area(const Mesh& mesh, const glm::dmat3& linear) {
+  for (const Primitive& p : mesh.primitives) {
+    for (std::size_t i = 0; i + 2 < p.indices.size(); i += 3) {
+      const glm::dvec3 corner(p.positions[p.indices[i]]);
+      const glm::dvec3 a = linear * (glm::dvec3(p.positions[p.indices[i + 1]]) - corner);
+      const glm::dvec3 b = linear * (glm::dvec3(p.positions[p.indices[i + 2]]) - corner);
+      if (glm::cross(a, b) != glm::dvec3(0)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+bool has_area(const ShapeSet& set, const glm::dmat3& linear) {
+  return linear != glm::dmat3(0) &&
+         std::any_of(set.shapes.begin(), set.shapes.end(),
+                     [](const Shape& shape) { return shape.half_extent != glm::vec3(0); });
+}
+
+// Whether a ray could hit anything at all.
+bool has_area(const Scene& scene) {
+  return std::any_of(scene.instances.begin(), scene.instances.end(), [&](const Instance& placed) {
+    const glm::dmat3 linear(placed.transform);
+    return placed.mesh == kNoIndex ? has_area(scene.shape_sets[placed.shape_set], linear)
+                                   : has_area(scene.meshes[placed.mesh], linear);
+  });
 }
 
 }  // namespace
@@ -170,6 +201,7 @@ void validate(const Scene& scene) {
   const Bounds bounds = world_bounds(scene);
   check(bounds.valid(), scene, "nothing to draw: no triangle and no shape is placed in it");
   check(finite(bounds.lo) && finite(bounds.hi), scene, "its world bounds are not finite in FP32");
+  check(has_area(scene), scene, "nothing to draw: none of its triangles and shapes has an area");
 }
 
 }  // namespace a2rt::scene

@@ -27,7 +27,9 @@ def _paint(name: str, color: tuple[float, float, float, float]) -> dict[str, Any
 
 def three_plates() -> dict[str, Any]:
     """Under a sky: a large wall, a pane before its left half, a masked leaf before its right."""
-    data = struct.pack("<12f6H", *[value for corner in _CORNERS for value in corner], *_TRIANGLES)
+    data = struct.pack(
+        "<12f6H", *[value for corner in _CORNERS for value in corner], *_TRIANGLES
+    )
     primitive = {"attributes": {"POSITION": 0}, "indices": 1}
     leaf = _paint("leaf", (0.2, 0.8, 0.2, 0.25))
     leaf["alphaMode"] = "MASK"
@@ -41,7 +43,9 @@ def three_plates() -> dict[str, Any]:
             {"mesh": 2, "scale": [0.6, 0.6, 1], "translation": [0.8, 0, 0.2]},
             {"camera": 0, "translation": [0, 0, 5]},
         ],
-        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.6, "znear": 0.1}}],
+        "cameras": [
+            {"type": "perspective", "perspective": {"yfov": 0.6, "znear": 0.1}}
+        ],
         "meshes": [{"primitives": [{**primitive, "material": i}]} for i in range(3)],
         "materials": [
             _paint("wall", (0.7, 0.7, 0.7, 1)),
@@ -66,10 +70,19 @@ def three_plates() -> dict[str, Any]:
         "buffers": [
             {
                 "byteLength": len(data),
-                "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
+                "uri": "data:application/octet-stream;base64,"
+                + base64.b64encode(data).decode(),
             }
         ],
     }
+
+
+def put(document: dict[str, Any], form: str, at: int, value: float) -> None:
+    """Overwrites one value of the data: `form` as in struct, at byte `at`."""
+    prefix, _, text = document["buffers"][0]["uri"].partition(",")
+    data = bytearray(base64.b64decode(text))
+    struct.pack_into(form, data, at, value)
+    document["buffers"][0]["uri"] = f"{prefix},{base64.b64encode(data).decode()}"
 
 
 def material(document: dict[str, Any], name: str) -> dict[str, Any]:

@@ -154,7 +154,8 @@ class Reader {
 void check_format(const h5::Location& root, const std::string& name) {
   if (!root.has_attribute("format") || root.text_attribute("format") != file::kFormatName) {
     throw UserError(name + ": an HDF5 file, but not an a2rt workload (attribute 'format' is not '" +
-                    file::kFormatName + "')");
+                    file::kFormatName +
+                    "'); make one with `a2rt capture` or `a2rt render --capture`");
   }
   const std::uint32_t version = root.integer_attribute("format_version");
   if (version != kWorkloadFormatVersion) {

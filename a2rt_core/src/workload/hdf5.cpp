@@ -229,7 +229,8 @@ Location create_file(const std::string& path, std::uint64_t user_block_bytes) {
 Location open_file(const std::string& path) {
   Handle file{H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
   if (!file.valid()) {
-    throw UserError(path + ": not a readable HDF5 file: " + last_error());
+    throw UserError(path + ": not a readable HDF5 file: " + last_error() +
+                    "; name a workload file, or capture it again");
   }
   return {std::move(file), path + ": /"};
 }

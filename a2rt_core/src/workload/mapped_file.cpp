@@ -15,7 +15,8 @@ namespace a2rt {
 namespace {
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const char* reason) {
-  throw UserError("cannot read '" + file.string() + "': " + reason);
+  throw UserError("cannot read '" + file.string() + "': " + reason +
+                  "; check its name and permissions");
 }
 
 }  // namespace

@@ -130,7 +130,9 @@ def capture_program(
 ) -> None:
     """Runs a foreign Vulkan program under the layer; raw capture into `folder`."""
     if shutil.which(command[0]) is None:
-        raise UserError(f"{command[0]}: no such program", "name an executable after `--`")
+        found = Path(command[0]).is_file()
+        what = "is a file, but no executable one" if found else "no such program"
+        raise UserError(f"{command[0]}: {what}", "name an executable after `--`")
     name = Path(command[0]).name
     log = programs.log_file(f"capture-{name}-{os.getpid()}")
     env = layer_environment(A2RT_CAPTURE=folder)

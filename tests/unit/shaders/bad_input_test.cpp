@@ -37,7 +37,8 @@ TEST_P(BadQuad, IsRefusedWithItsReason) {
   GetParam().break_it(file);
   const std::string error = error_of(file.text());
   EXPECT_THAT(error, HasSubstr(GetParam().message));
-  EXPECT_THAT(error, HasSubstr("bad.gltf"));
+  EXPECT_THAT(error, HasSubstr("bad.gltf: "));
+  EXPECT_THAT(error, HasSubstr("; ")) << "no remedy";
 }
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
@@ -98,7 +99,25 @@ INSTANTIATE_TEST_SUITE_P(
              "requires EXT_meshopt_compression"},
         Case{"missing_buffer",
              [](QuadFile& f) { f.buffer = R"({"byteLength": 60, "uri": "absent.bin"})"; },
-             "absent.bin"},
+             "absent.bin; put the files that its buffers name beside it"},
+        Case{"folder_as_buffer",
+             [](QuadFile& f) { f.buffer = R"({"byteLength": 60, "uri": "."})"; },
+             "put the files that its buffers name beside it"},
+        Case{"no_buffer_where_one_is_named",
+             [](QuadFile& f) {
+               f.buffer = "";
+               f.vertex_accessor = R"({"bufferView": 9, "componentType": 5126, "count": 4,
+                 "type": "VEC3"})";
+             },
+             "there is no buffer view 9 (the file has 2); repair the file"},
+        Case{"glTF_1", [](QuadFile& f) { f.version = "1.0"; },
+             "its glTF version is '1.0'; only 2.x is read; convert it"},
+        Case{"triangles_without_area",
+             [](QuadFile& f) { f.positions.assign(f.positions.size(), 0.5F); },
+             "none of its triangles and shapes has an area"},
+        Case{"instances_without_area",
+             [](QuadFile& f) { f.nodes = R"([{"mesh": 0, "scale": [0, 0, 0]}])"; },
+             "none of its triangles and shapes has an area"},
         Case{"camera_without_area",
              [](QuadFile& f) {
                f.extra = R"("cameras": [{"type": "perspective",

@@ -63,8 +63,8 @@ std::string QuadFile::text() const {
   const std::string data = "{\"byteLength\": " + std::to_string(bytes.size()) +
                            ", \"uri\": \"data:application/octet-stream;base64," + base64(bytes) +
                            "\"}";
-  return "{" + extra + R"("asset": {"version": "2.0"}, "scene": 0, "scenes": [)" + scene +
-         R"(], "nodes": )" + nodes +
+  return "{" + extra + R"("asset": {"version": ")" + version + R"("}, "scene": 0, "scenes": [)" +
+         scene + R"(], "nodes": )" + nodes +
          R"(, "meshes": [{"name": "quad", "primitives": [{"attributes": {"POSITION": 0)" + names +
          R"(}, "indices": 1, "material": 0}]}], "materials": [)" + material +
          R"(], "accessors": [)" + vertex_accessor + ", " + index_accessor + accessors +

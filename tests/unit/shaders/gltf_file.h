@@ -30,6 +30,7 @@ struct QuadFile {
     "baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0, "roughnessFactor": 1}})";
   std::string nodes = R"([{"name": "quad", "mesh": 0}])";
   std::string scene = R"({"nodes": [0]})";
+  std::string version = "2.0";
   std::string extra;  // further top-level members, each ending in a comma
   std::string vertex_accessor = R"({"bufferView": 0, "componentType": 5126, "count": 4,
     "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0]})";
