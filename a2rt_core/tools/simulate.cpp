@@ -72,7 +72,7 @@ Run run(const Options& options, const Workload& workload, timing::RaySource& sou
   }
   run.result = timing::simulate(workload, source, machine, simulation);
   if (run.plan) {
-    run.estimate = timing::extrapolate_cycles(*run.plan, run.result);
+    run.estimate = timing::extrapolate_cycles(*run.plan, run.result, machine);
     if (options.sample_check) {
       simulation.warps.clear();
       run.full_cycles = timing::simulate(workload, source, machine, simulation).cycles.value;

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "mocks.h"
 
@@ -18,22 +20,27 @@ std::vector<WarpPlace> places(std::size_t warps, std::uint32_t dispatches = 1) {
   return all;
 }
 
-TEST(Sampling, takes_the_asked_share_of_every_stratum) {
-  std::vector<double> costs;
-  for (int i = 0; i < 1000; ++i) {
-    costs.push_back(1 + i % 100);
+TEST(Sampling, takes_the_asked_share_of_every_dispatch_in_whole_blocks) {
+  const std::size_t warps = 160 * kBlockWarps;
+  const SamplePlan plan = plan_sample(places(warps, 2), std::vector<double>(warps, 1.0), 0.1, 1);
+  std::size_t of_the_first = 0;
+  std::map<std::uint32_t, std::size_t> blocks;
+  for (const std::uint32_t warp : plan.warps) {
+    of_the_first += plan.dispatch[warp] == 0;
+    ++blocks[plan.block[warp]];
   }
-  const SamplePlan plan = plan_sample(places(1000), costs, 0.1, 1);
-  EXPECT_NEAR(static_cast<double>(plan.warps.size()), 100, 10);
-  EXPECT_NEAR(plan.cost_chosen / plan.cost_all, 0.1, 0.01);
-  EXPECT_TRUE(std::is_sorted(plan.warps.begin(), plan.warps.end()));
-  EXPECT_EQ(std::adjacent_find(plan.warps.begin(), plan.warps.end()), plan.warps.end());
+  EXPECT_EQ(plan.warps.size(), 16 * kBlockWarps);
+  EXPECT_EQ(of_the_first, 8 * kBlockWarps);
+  EXPECT_EQ(blocks.size(), 16u);
+  EXPECT_DOUBLE_EQ(plan.cost_chosen / plan.cost_all, 0.1);
+  const std::set<std::uint32_t> different(plan.warps.begin(), plan.warps.end());
+  EXPECT_EQ(different.size(), plan.warps.size());
 }
 
 TEST(Sampling, the_same_seed_draws_the_same_warps_and_another_seed_does_not) {
-  const std::vector<double> costs(500, 1.0);
+  const std::size_t warps = 160 * kBlockWarps;
   const auto drawn = [&](std::uint64_t seed) {
-    return plan_sample(places(500), costs, 0.2, seed).warps;
+    return plan_sample(places(warps), std::vector<double>(warps, 1.0), 0.1, seed).warps;
   };
   EXPECT_EQ(drawn(7), drawn(7));
   EXPECT_NE(drawn(7), drawn(8));
@@ -49,7 +56,7 @@ TEST(Sampling, the_whole_is_a_sample_without_error) {
   SimulationOptions options;
   options.warps = plan.warps;
   const SimulationResult r = simulate(w, source, one_sm(), options);
-  const Estimate e = extrapolate_cycles(plan, r);
+  const Estimate e = extrapolate_cycles(plan, r, one_sm());
   EXPECT_DOUBLE_EQ(e.value, static_cast<double>(r.cycles.value));
   EXPECT_DOUBLE_EQ(e.low, e.high);
 }
@@ -62,7 +69,7 @@ void expect_sample_within_five_percent(const Workload& w, ScriptedSource& source
   ASSERT_EQ(why_not_representative(plan, config), "");
   SimulationOptions options;
   options.warps = plan.warps;
-  const Estimate e = extrapolate_cycles(plan, simulate(w, source, config, options));
+  const Estimate e = extrapolate_cycles(plan, simulate(w, source, config, options), config);
   const auto full = static_cast<double>(cycles_of(w, source, config).value);
   EXPECT_LT(std::abs(e.value - full) / full, 0.05);
 }
@@ -72,19 +79,47 @@ TEST(Sampling, a_tenth_of_equal_warps_predicts_the_whole_within_five_percent) {
   source.everyone.assign(20, count_event(EventKind::kTransform, 4));
   MachineConfig config = one_sm();
   config.rt.tester(Tester::kTransform) = {2, Cycles{8}, Cycles{1}};
-  const Workload w = rays_only(32 * 1000);
+  const Workload w = rays_only(32 * 4000);
   expect_sample_within_five_percent(w, source, config, 0.1);
 }
 
+TEST(Sampling, the_interval_is_as_wide_as_warps_differ_beyond_their_cost) {
+  MachineConfig config = one_sm();
+  config.rt.tester(Tester::kTransform) = {2, Cycles{8}, Cycles{1}};
+  const Workload w = rays_only(32 * 4000);
+  const auto relative_width = [&](std::uint32_t most) {
+    ScriptedSource source;
+    for (std::uint32_t ray = 0; ray < w.rays.size(); ++ray) {
+      // As many events, the cost, whatever each holds: some blocks take longer than their cost
+      // says.
+      const auto tests = static_cast<std::uint16_t>(1 + ray / 32 / kBlockWarps % most);
+      source.script[ray].assign(5, count_event(EventKind::kTransform, tests));
+    }
+    const auto warps = list_warps(w);
+    const SamplePlan plan = plan_sample(warps, warp_costs(w, source, warps, 8), 0.2, 1);
+    SimulationOptions options;
+    options.warps = plan.warps;
+    const Estimate e = extrapolate_cycles(plan, simulate(w, source, config, options), config);
+    const auto full = static_cast<double>(cycles_of(w, source, config).value);
+    EXPECT_LT(e.low, full) << most;
+    EXPECT_GT(e.high, full) << most;
+    return (e.high - e.low) / e.value;
+  };
+  EXPECT_GT(relative_width(7), relative_width(2));
+}
+
 TEST(Sampling, a_sample_that_does_not_fill_the_machine_is_refused_with_the_remedy) {
-  MachineConfig config = one_sm();  // 32 warp slots
-  const std::vector<double> costs(1000, 1.0);
+  MachineConfig config = one_sm();
+  config.sm.count = 4;  // 128 warp places
+  const std::size_t warps = 100 * kBlockWarps;
   const auto why = [&](double fraction, std::uint32_t dispatches) {
-    return why_not_representative(plan_sample(places(1000, dispatches), costs, fraction, 1),
-                                  config);
+    const auto plan =
+        plan_sample(places(warps, dispatches), std::vector<double>(warps, 1.0), fraction, 1);
+    return why_not_representative(plan, config);
   };
   EXPECT_EQ(why(0.2, 1), "");
-  EXPECT_NE(why(0.05, 1).find("--sample 0.1"), std::string::npos) << why(0.05, 1);
+  EXPECT_NE(why(0.05, 1).find("--sample 0.06"), std::string::npos) << why(0.05, 1);
+  EXPECT_EQ(why(0.06, 1), "") << "the remedy helps";
   EXPECT_EQ(why(1, 1), "") << "the whole stands for itself";
   // Every dispatch is drained on its own, so each has to fill the machine.
   EXPECT_NE(why(0.2, 20).find("larger picture"), std::string::npos) << why(0.2, 20);

@@ -1,14 +1,13 @@
 #include "a2rt/timing/sampling.h"
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <map>
 #include <numeric>
 
 namespace a2rt::timing {
 namespace {
-
-constexpr std::size_t kMostStrata = 16;
 
 // SplitMix64: small, fixed for ever, the same on every platform.
 std::uint64_t next_random(std::uint64_t& state) {
@@ -17,6 +16,21 @@ std::uint64_t next_random(std::uint64_t& state) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
   return z ^ (z >> 31);
+}
+
+// `count` of `all` blocks, evenly apart from a random start, shuffled.
+std::vector<std::size_t> evenly(std::size_t all, std::size_t count, std::uint64_t& random) {
+  const double step = static_cast<double>(all) / static_cast<double>(count);
+  const double start = step * static_cast<double>(next_random(random) >> 11) * 0x1p-53;
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto at = static_cast<std::size_t>(start + step * static_cast<double>(i));
+    out.push_back(std::min(at, all - 1));
+  }
+  for (std::size_t i = out.size(); i > 1; --i) {
+    std::swap(out[i - 1], out[next_random(random) % i]);
+  }
+  return out;
 }
 
 }  // namespace
@@ -56,43 +70,29 @@ SamplePlan plan_sample(const std::vector<WarpPlace>& warps, const std::vector<do
   }
   SamplePlan plan;
   plan.cost = costs;
-  for (const WarpPlace& warp : warps) {
-    plan.dispatch.push_back(warp.dispatch);
-  }
   plan.cost_all = std::accumulate(costs.begin(), costs.end(), 0.0);
-  std::vector<std::uint32_t> order(costs.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return costs[a] < costs[b]; });
-  // Enough warps per stratum that its spread can be estimated from at least two draws.
-  const auto wanted =
-      static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(costs.size())));
-  const std::size_t strata = std::clamp<std::size_t>(wanted / 2, 1, kMostStrata);
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> chosen;  // warp, stratum
-  std::size_t at = 0;
-  double cost_so_far = 0;
-  for (std::size_t s = 0; s < strata && at < order.size(); ++s) {
-    const double stop = plan.cost_all * static_cast<double>(s + 1) / static_cast<double>(strata);
-    const std::size_t first = at;
-    while (at < order.size() && (at == first || s + 1 == strata || cost_so_far < stop)) {
-      cost_so_far += costs[order[at++]];
+  std::uint32_t blocks_before = 0;
+  for (std::size_t first = 0; first < warps.size();) {
+    std::size_t end = first;
+    for (; end < warps.size() && warps[end].dispatch == warps[first].dispatch; ++end) {
+      plan.dispatch.push_back(warps[end].dispatch);
+      plan.block.push_back(blocks_before + static_cast<std::uint32_t>((end - first) / kBlockWarps));
     }
-    const std::size_t size = at - first;
-    const auto draws = std::clamp<std::size_t>(
-        static_cast<std::size_t>(std::lround(fraction * static_cast<double>(size))),
-        std::min<std::size_t>(2, size), size);
-    for (std::size_t i = 0; i < draws; ++i) {
-      const std::size_t pick = first + i + next_random(seed) % (size - i);
-      std::swap(order[first + i], order[pick]);
-      chosen.emplace_back(order[first + i], static_cast<std::uint32_t>(plan.stratum_size.size()));
+    const std::size_t blocks = plan.block.back() + 1 - blocks_before;
+    // At least the asked share, but no block more for a rounding error.
+    const auto wanted =
+        static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(blocks) - 1e-9));
+    // A spread needs two.
+    const std::size_t count = std::clamp(wanted, std::min<std::size_t>(2, blocks), blocks);
+    for (const std::size_t block : evenly(blocks, count, seed)) {
+      const std::size_t stop = std::min(end, first + (block + 1) * kBlockWarps);
+      for (std::size_t warp = first + block * kBlockWarps; warp < stop; ++warp) {
+        plan.warps.push_back(static_cast<std::uint32_t>(warp));
+        plan.cost_chosen += costs[warp];
+      }
     }
-    plan.stratum_size.push_back(size);
-  }
-  std::sort(chosen.begin(), chosen.end());
-  for (const auto& [warp, stratum] : chosen) {
-    plan.warps.push_back(warp);
-    plan.stratum.push_back(stratum);
-    plan.cost_chosen += costs[warp];
+    blocks_before += static_cast<std::uint32_t>(blocks);
+    first = end;
   }
   return plan;
 }
@@ -132,73 +132,104 @@ std::string why_not_representative(const SamplePlan& plan, const MachineConfig& 
 
 namespace {
 
-// One dispatch: how much of the work was done while warps could replace each other.
-double extrapolate_dispatch(const DispatchTime& time, double cost_all, double cost_chosen) {
-  const auto full = static_cast<double>(time.last_launch.value);
-  const double tail = static_cast<double>(time.cycles.value) - full;
-  // The warps resident when the last one began are what the tail works off, in both runs.
-  const double in_tail = static_cast<double>(time.resident_then) * cost_chosen /
-                         static_cast<double>(std::max<std::uint64_t>(time.warps, 1));
-  if (time.last_launch > Cycles{0} && in_tail < cost_chosen) {
-    return tail + full * (cost_all - in_tail) / (cost_chosen - in_tail);
-  }
-  // All chosen warps fitted at once: there was no full phase to scale.
-  return static_cast<double>(time.cycles.value) * cost_all / cost_chosen;
-}
+// Warps of one block, or of one dispatch.
+struct Sum {
+  double cost = 0;
+  double residence = 0;  // cycles on the machine, summed over warps
+  double warps = 0;
+};
 
-// Half the width of the 95 % interval, relative to the value: the spread of warp residence within
-// strata, as a ratio estimate on the cost proxy.
-double relative_error(const SamplePlan& plan, const SimulationResult& subset) {
-  struct Stratum {
-    double squares = 0, count = 0;
-  };
-  std::vector<Stratum> strata(plan.stratum_size.size());
-  double residence = 0;
-  for (const WarpRecord& warp : subset.warps) {
-    residence += static_cast<double>(warp.residence.value);
+struct DispatchSample {
+  double cost_all = 0, cost_chosen = 0;
+  double warps_all = 0;
+  // Of the warps that ran on a full machine: launched neither in its first filling nor in its last.
+  std::map<std::uint32_t, Sum> blocks;
+
+  Sum steady() const {
+    Sum sum;
+    for (const auto& [block, part] : blocks) {
+      sum.cost += part.cost;
+      sum.residence += part.residence;
+      sum.warps += part.warps;
+    }
+    return sum;
   }
-  const double ratio = residence / plan.cost_chosen;
-  for (std::size_t i = 0; i < plan.warps.size(); ++i) {
-    const double deviation =
-        static_cast<double>(subset.warps.at(i).residence.value) - ratio * plan.cost[plan.warps[i]];
-    Stratum& s = strata[plan.stratum[i]];
-    s.squares += deviation * deviation;
-    s.count += 1;
+};
+
+std::map<std::uint32_t, DispatchSample> by_dispatch(const SamplePlan& plan,
+                                                    const SimulationResult& subset,
+                                                    std::size_t places) {
+  std::map<std::uint32_t, DispatchSample> out;
+  for (std::size_t w = 0; w < plan.cost.size(); ++w) {
+    out[plan.dispatch[w]].cost_all += plan.cost[w];
+    out[plan.dispatch[w]].warps_all += 1;
   }
-  double variance = 0;
-  for (std::size_t s = 0; s < strata.size(); ++s) {
-    const double size = static_cast<double>(plan.stratum_size[s]);
-    if (strata[s].count > 1 && size > strata[s].count) {
-      variance += size * size * (1 - strata[s].count / size) * strata[s].squares /
-                  (strata[s].count * (strata[s].count - 1));
+  std::map<std::uint32_t, std::vector<std::uint32_t>> order;  // of launches
+  for (const std::uint32_t warp : plan.warps) {
+    out[plan.dispatch[warp]].cost_chosen += plan.cost[warp];
+    order[plan.dispatch[warp]].push_back(warp);
+  }
+  std::vector<bool> steady(plan.cost.size(), false);
+  for (const auto& [dispatch, warps] : order) {
+    for (std::size_t i = places; i + places < warps.size(); ++i) {
+      steady[warps[i]] = true;
     }
   }
-  const double population = ratio * plan.cost_all;
-  return population > 0 ? 1.96 * std::sqrt(variance) / population : 0;
+  for (const WarpRecord& warp : subset.warps) {
+    if (steady[warp.number]) {
+      Sum& block = out[plan.dispatch[warp.number]].blocks[plan.block[warp.number]];
+      block.cost += plan.cost[warp.number];
+      block.residence += static_cast<double>(warp.residence.value);
+      block.warps += 1;
+    }
+  }
+  return out;
+}
+
+// Half the width of the 95 % interval of residence per cost, relative to it: a ratio estimate over
+// clusters (Cochran, Sampling Techniques, section 6.3), without the part that was run anyway.
+double relative_spread(const DispatchSample& sample) {
+  const Sum steady = sample.steady();
+  const auto n = static_cast<double>(sample.blocks.size());
+  if (n < 2) {
+    return 1;
+  }
+  double squares = 0;
+  for (const auto& [block, part] : sample.blocks) {
+    const double off = part.residence - part.cost * steady.residence / steady.cost;
+    squares += off * off;
+  }
+  const double left_out = 1 - steady.warps / sample.warps_all;
+  const double deviation = std::sqrt(left_out * squares / (n * (n - 1)));
+  const double t = boost::math::quantile(boost::math::students_t(n - 1), 0.975);
+  return t * deviation / (steady.residence / n);
 }
 
 }  // namespace
 
-Estimate extrapolate_cycles(const SamplePlan& plan, const SimulationResult& subset) {
-  // Dispatches of the subset, in order, and their shares of the work.
-  std::map<std::uint32_t, std::pair<double, double>> cost;  // all, chosen
-  for (std::size_t w = 0; w < plan.cost.size(); ++w) {
-    cost[plan.dispatch[w]].first += plan.cost[w];
-  }
-  for (const std::uint32_t warp : plan.warps) {
-    cost[plan.dispatch[warp]].second += plan.cost[warp];
-  }
+Estimate extrapolate_cycles(const SamplePlan& plan, const SimulationResult& subset,
+                            const MachineConfig& machine) {
+  const std::size_t places = std::size_t{machine.sm.count} * machine.sm.warps;
   Estimate estimate;
+  double half_width = 0;
   std::size_t next = 0;
-  for (const auto& [dispatch, shares] : cost) {
-    if (shares.second > 0) {
-      estimate.value +=
-          extrapolate_dispatch(subset.dispatches.at(next++), shares.first, shares.second);
+  for (const auto& [number, sample] : by_dispatch(plan, subset, places)) {
+    if (sample.cost_chosen == 0) {
+      continue;
+    }
+    const auto cycles = static_cast<double>(subset.dispatches.at(next++).cycles.value);
+    estimate.value += cycles;
+    if (sample.cost_chosen < sample.cost_all) {
+      const Sum steady = sample.steady();
+      // Little's law: a full machine spends residence / places cycles on a warp.
+      const double rate = steady.residence / steady.cost / static_cast<double>(places);
+      const double added = rate * (sample.cost_all - sample.cost_chosen);
+      estimate.value += added;
+      half_width += relative_spread(sample) * added;
     }
   }
-  const double relative = relative_error(plan, subset);
-  estimate.low = estimate.value * (1 - relative);
-  estimate.high = estimate.value * (1 + relative);
+  estimate.low = estimate.value - half_width;
+  estimate.high = estimate.value + half_width;
   return estimate;
 }
 

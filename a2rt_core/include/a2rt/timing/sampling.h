@@ -1,11 +1,12 @@
 // Sampling: time a representative subset of the warps and extrapolate.
 //
-// Warps are sorted by a cost proxy (events of some of their rays, traced without time), cut into
-// strata of equal cost, and drawn from each stratum by a fixed pseudo-random sequence. The subset
-// runs on the whole machine. In each dispatch the time up to the launch of the last warp is scaled
-// by the ratio of the work done in it; the tail that works off the then resident warps is the same
-// in both runs. That needs a time in which the machine is full and warps replace each other: a
-// sample that does not provide it says nothing about the whole and is refused.
+// Each dispatch is cut into blocks of consecutive warps, which share cache lines; every so-many-th
+// block is run, in shuffled order. The warps launched neither in the machine's first filling nor in
+// its last ran on a full machine. By Little's law such a machine gives residence / places cycles to
+// a warp, and so long the warps left out would have taken, by their share of the cost (a proxy:
+// events of some of their rays, traced without time). Cold start and thinning end occur once in
+// the sample as in the whole. A sample that does not fill the machine a few times over has no warps
+// between its start and its end; it is refused.
 #pragma once
 
 #include <cstdint>
@@ -19,12 +20,15 @@
 
 namespace a2rt::timing {
 
+// Consecutive warps drawn together. Few enough that the least sample has a dozen blocks, whose
+// spread gives the interval.
+inline constexpr std::size_t kBlockWarps = 64;
+
 struct SamplePlan {
-  std::vector<std::uint32_t> warps;         // chosen, ascending
-  std::vector<std::uint32_t> stratum;       // of each chosen warp
-  std::vector<std::uint64_t> stratum_size;  // warps in each stratum
-  std::vector<double> cost;                 // proxy of every warp
-  std::vector<std::uint32_t> dispatch;      // of every warp
+  std::vector<std::uint32_t> warps;     // chosen, dispatch by dispatch, as they are to be launched
+  std::vector<std::uint32_t> block;     // of every warp, numbered through all dispatches
+  std::vector<double> cost;             // proxy of every warp
+  std::vector<std::uint32_t> dispatch;  // of every warp
   double cost_all = 0, cost_chosen = 0;
 };
 
@@ -47,8 +51,10 @@ SamplePlan plan_sample(const std::vector<WarpPlace>& warps, const std::vector<do
 inline constexpr std::uint64_t kFillings = 3;
 std::string why_not_representative(const SamplePlan& plan, const MachineConfig& machine);
 
-// Cycles of the whole run from those of the subset. The interval covers the sampling of warps; it
-// does not cover what a sparser run changes in the caches, which `--sample-check` measures.
-Estimate extrapolate_cycles(const SamplePlan& plan, const SimulationResult& subset);
+// Cycles of the whole run from those of the subset, simulated on `machine`. The interval comes from
+// the spread between blocks. It cannot know what only the whole has: lines that one block leaves in
+// the L2 for the next. `--sample-check` measures that.
+Estimate extrapolate_cycles(const SamplePlan& plan, const SimulationResult& subset,
+                            const MachineConfig& machine);
 
 }  // namespace a2rt::timing

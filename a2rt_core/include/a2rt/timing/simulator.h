@@ -17,7 +17,7 @@
 namespace a2rt::timing {
 
 struct SimulationOptions {
-  // Warps to run, ascending, numbered through all dispatches; empty = all.
+  // Warps to run in this order, dispatch by dispatch, numbered through all of them; empty = all.
   std::vector<std::uint32_t> warps;
   // Only dispatches of these frames; empty = all.
   std::vector<std::uint32_t> frames;
