@@ -85,23 +85,25 @@ Workload shells_far_away(std::uint32_t side) {
 
 // A cube whose faces are kTiles x kTiles tiles. Thirteenths are no FP32 numbers, so that rays
 // through the tiles' edges meet the planes of boxes at times that differ by rounding only.
-constexpr std::uint32_t kTiles = 13;
-float line(std::uint32_t i) {
+constexpr int kTiles = 13;
+float line(int i) {
   return i == kTiles ? 1 : -1 + 2.0F * static_cast<float>(i) / static_cast<float>(kTiles);
 }
 
-// Pixels exactly on every vertex of the wall z = -1, on points of its edges, and between them.
+// Pixels exactly on every vertex of the wall z = -1, on points of its edges, and between them; also
+// one tile beyond it.
 Workload tiled_wall(std::uint32_t side, const Vec3& eye) {
   CaseBuilder c(74);
   c.blas(subdivided_cube({{-1, -1, -1}, {1, 1, 1}}, kTiles));
-  const std::uint32_t pixels = std::max(1U, side / kTiles), last = kTiles * pixels;
-  const auto at = [&](std::uint32_t i) {
-    const std::uint32_t tile = i / pixels;
+  const int pixels = std::max(1, static_cast<int>(side) / (kTiles + 2));
+  const int last = (kTiles + 2) * pixels;
+  const auto at = [&](int i) {
+    const int tile = i / pixels - 1;
     const float share = static_cast<float>(i % pixels) / static_cast<float>(pixels);
     return share == 0 ? line(tile) : (1 - share) * line(tile) + share * line(tile + 1);
   };
-  for (std::uint32_t y = 0; y <= last; ++y) {
-    for (std::uint32_t x = 0; x <= last; ++x) {
+  for (int y = 0; y <= last; ++y) {
+    for (int x = 0; x <= last; ++x) {
       c.ray(eye, Vec3{at(x), at(last - y), -1} - eye);
     }
   }
@@ -153,16 +155,18 @@ const std::vector<View>& views() {
        shells_far_away},
       {"aqb8_anchor", "aqb8_floor", "AQB8: anchors tested without padding",
        "anchor test: unpadded FP32",
-       "A wall of the tiled cube through the opposite ones, from its diagonal; pixels exactly on "
-       "the tiles' vertices and edges.",
+       "A tiled cube from its diagonal, pixels exactly on the tiles' vertices and edges: its "
+       "outline "
+       "is lost.",
        from_the_diagonal},
       {"literal_far", "a2rt_literal", "A²RT as printed: origin clamped",
        "origin clamped to the group's range, or plain FP32 rounding of shift and scale",
        "The sphere from two million radii away.", far_away},
       {"literal_group", "a2rt_literal", "A²RT as printed: groups tested without padding",
        "group test: unpadded FP32",
-       "A wall of a tiled cube from inside, straight before a vertex; pixels exactly on the tiles' "
-       "vertices and edges.",
+       "The tiled cube from inside, straight before a vertex; pixels exactly on the tiles' "
+       "vertices "
+       "and edges.",
        from_inside}};
   return all;
 }
