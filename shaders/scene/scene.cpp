@@ -30,9 +30,12 @@ void validate_primitive(const Scene& scene, const Mesh& mesh, std::size_t number
   check(p.uvs.empty() || p.uvs.size() == p.positions.size(), scene,
         where + "there are not as many texture coordinates as positions");
   check(p.material < scene.materials.size(), scene, where + "no such material");
-  for (const std::uint32_t index : p.indices) {
-    check(index < p.positions.size(), scene,
-          where + "index " + std::to_string(index) + " is outside the " +
+  // The message is built for a bad index only: a scene has millions of good ones.
+  const auto bad = std::find_if(p.indices.begin(), p.indices.end(),
+                                [&p](std::uint32_t index) { return index >= p.positions.size(); });
+  if (bad != p.indices.end()) {
+    check(false, scene,
+          where + "index " + std::to_string(*bad) + " is outside the " +
               std::to_string(p.positions.size()) + " vertices");
   }
 }

@@ -1,6 +1,7 @@
 #include "layer_run.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -67,8 +68,10 @@ RunResult run_program(const std::string& program, const Folder& folder, bool lay
     become(program, picture, log, layer, environment);
   }
   int status = 0;
-  ::waitpid(child, &status, 0);
+  rusage usage{};
+  ::wait4(child, &status, 0, &usage);
   RunResult result;
+  result.peak_bytes = std::int64_t{usage.ru_maxrss} * 1024;
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   result.output = read_text(log);
   result.picture = read_text(picture);

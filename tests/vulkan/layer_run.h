@@ -1,15 +1,17 @@
 // Runs a test program as a user would: its own process, the layer chosen by the environment.
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <string>
 
 namespace a2rt::test {
 
 struct RunResult {
-  int status = -1;      // exit status; 128 + signal if a signal ended it
-  std::string output;   // stderr
-  std::string picture;  // bytes of the picture file; empty if there is none
+  int status = -1;              // exit status; 128 + signal if a signal ended it
+  std::string output;           // stderr
+  std::string picture;          // bytes of the picture file; empty if there is none
+  std::int64_t peak_bytes = 0;  // most memory it had at once, mapped files included
 };
 
 class Folder {
