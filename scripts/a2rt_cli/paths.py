@@ -16,6 +16,16 @@ LOGS = BUILD / "logs"
 SHARED_SCENES = Path(os.environ.get("A2RT_SCENES", ROOT.parent / "shared" / "scenes"))
 
 
+# What the programs look up in $A2RT_CONFIGS, if it is set.
+_PROGRAMS_READ = ("units", "gpus", "workloads")
+
+
+def config_folder(kind: str) -> Path:
+    """Folder of the configurations of a kind, the one that the programs read."""
+    chosen = os.environ.get("A2RT_CONFIGS") if kind in _PROGRAMS_READ else None
+    return (Path(chosen) if chosen else CONFIGS) / kind
+
+
 def venv_python() -> Path:
     return VENV / "bin" / "python"
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from a2rt_cli import console
-from a2rt_cli.engine import core, programs, renderer, scenes
+from a2rt_cli.engine import core, keys, programs, renderer, scenes
 from a2rt_cli.engine.renderer import RenderOptions
 from a2rt_cli.files import HashCache, hash_values, read_json, write_json
 
@@ -37,9 +37,14 @@ def find_finished(
 ) -> Captured | None:
     """The capture of the same inputs, if `cache` holds it whole."""
     options = scene.drawn_with(options)
-    key = hash_values(scene.content_key(), options.as_dict(), programs.capture_key())
+    key = _key(scene, options)
     found = _captured(scene, options, cache, key, name)
     return found if _mark(found).is_file() else None
+
+
+def _key(scene: scenes.Scene, options: RenderOptions) -> str:
+    settings = keys.of_workload(options.workload)
+    return hash_values(scene.content_key(), options.as_dict(), settings, programs.capture_key())
 
 
 def _captured(
@@ -68,8 +73,7 @@ def from_scene(
     if known is not None:
         return known
     options = scene.drawn_with(options)
-    key = hash_values(scene.content_key(), options.as_dict(), programs.capture_key())
-    captured = _captured(scene, options, cache, key, name)
+    captured = _captured(scene, options, cache, _key(scene, options), name)
     folder = captured.file.parent
     shutil.rmtree(folder, ignore_errors=True)  # left by a killed run
     with renderer.scratch(cache) as scratch:

@@ -12,7 +12,7 @@ from a2rt_cli import console
 from a2rt_cli.engine import programs
 from a2rt_cli.errors import UserError
 from a2rt_cli.files import replacing
-from a2rt_cli.paths import CONFIGS
+from a2rt_cli.paths import config_folder
 
 
 def _call(words: Sequence[str | Path], what: str, shown: console.Step | None = None) -> list[str]:
@@ -132,13 +132,13 @@ def _result(words: Sequence[str | Path], what: str) -> dict[str, Any]:
 
 
 def config_names(kind: str) -> list[str]:
-    """Names in lumibench_configs/KIND: units, gpus, workloads, scenes, experiments."""
-    return sorted(path.stem for path in (CONFIGS / kind).glob("*.toml"))
+    """Names of configurations of a kind: units, gpus, workloads, scenes, experiments."""
+    return sorted(path.stem for path in config_folder(kind).glob("*.toml"))
 
 
 def config_file(kind: str, name: str) -> Path:
     """The file that a unit's or GPU's name, or a path to a .toml file, stands for."""
-    path = Path(name) if name.endswith(".toml") else CONFIGS / kind / f"{name}.toml"
+    path = Path(name) if name.endswith(".toml") else config_folder(kind) / f"{name}.toml"
     if not path.is_file():
         raise UserError(
             f"{name}: no such {kind.rstrip('s')}",

@@ -14,7 +14,7 @@ from a2rt_cli.engine import scenes
 from a2rt_cli.engine.renderer import RenderOptions
 from a2rt_cli.engine.scenes import SceneConfig
 from a2rt_cli.errors import UserError
-from a2rt_cli.paths import CONFIGS
+from a2rt_cli.paths import config_folder
 
 PREFIX = "lumi:"
 SIZE = (128, 128)  # of every standard run
@@ -39,7 +39,9 @@ class LumiRun:
     @property
     def rays(self) -> str:
         """Samples and rays of the workload, as its configuration states them."""
-        sampling = Table.read(CONFIGS / "workloads" / f"{self.workload}.toml").get("sampling", dict)
+        sampling = Table.read(config_folder("workloads") / f"{self.workload}.toml").get(
+            "sampling", dict
+        )
         words = [f"{sampling['samples']} spp"]
         for key in ("max_bounces", "shadow_rays", "ao_rays"):
             if key in sampling:

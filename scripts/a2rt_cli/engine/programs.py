@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
-from a2rt_cli import console
+from a2rt_cli import console, energy_table
 from a2rt_cli.errors import UserError
 from a2rt_cli.files import hash_files
 from a2rt_cli.paths import LOGS
@@ -40,14 +40,15 @@ def lavapipe() -> dict[str, str]:
 
 @cache
 def core_key() -> str:
-    """Changes when a2rt-core does; results made by another build are not reused."""
-    return hash_files([program("a2rt-core")])
+    """Changes when a2rt-core or its energy table does; results made by others are not reused."""
+    return hash_files([program("a2rt-core"), energy_table.FILE])
 
 
 @cache
 def capture_key() -> str:
     """Changes when anything that decides what is captured does."""
-    return hash_files([program("a2rt-render"), layer_library(), program("a2rt-core")])
+    ours = [program("a2rt-render"), layer_library(), program("a2rt-core")]
+    return hash_files([*ours, *driver.files()])
 
 
 def log_file(name: str) -> Path:

@@ -10,9 +10,9 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from a2rt_cli.engine import core, pictures, programs, verdict_loop
+from a2rt_cli.engine import core, keys, pictures, programs, verdict_loop
 from a2rt_cli.engine.capture import Captured
-from a2rt_cli.files import hash_file, hash_values, replacing, write_json
+from a2rt_cli.files import hash_values, replacing, write_json
 from a2rt_cli.process import ProgramFailed
 from a2rt_cli.results import AREA_MARK, SAME_AREA, SAME_COUNT
 
@@ -80,34 +80,11 @@ def with_same_area(specs: Sequence[RunSpec]) -> list[RunSpec]:
 
 def run_key(captured: Captured, spec: RunSpec) -> str:
     """Names the inputs, not the file they came from: equal inputs share one result."""
-    unit = hash_values(
-        [hash_file(path) for path in _with_parents(core.config_file("units", spec.unit))]
-    )
-    gpu = None
-    if spec.gpu is not None:
-        paths = _with_parents(core.config_file("gpus", spec.gpu))
-        gpu = hash_values([hash_file(path) for path in paths])
+    unit = keys.of_unit(spec.unit)
+    gpu = None if spec.gpu is None else keys.of_gpu(spec.gpu)
     rest = [list(spec.overrides), spec.audit, spec.picture, spec.max_passes, list(spec.extra)]
     rest += [spec.time_optional, spec.functional, spec.heatmap, spec.timing_words()]
     return hash_values(captured.key, unit, gpu, rest, programs.core_key())
-
-
-def _with_parents(path: Path) -> list[Path]:
-    """A configuration and those it inherits from: an edit of a parent is an edit of it."""
-    import tomllib
-
-    chain = [path]
-    while True:
-        try:
-            inherits = tomllib.loads(chain[-1].read_text(encoding="utf-8")).get("inherits")
-        except tomllib.TOMLDecodeError:
-            return chain  # a2rt-core reports it with its place
-        if not isinstance(inherits, str):
-            return chain
-        parent = chain[-1].parent / (inherits if inherits.endswith(".toml") else f"{inherits}.toml")
-        if not parent.is_file() or parent in chain:
-            return chain
-        chain.append(parent)
 
 
 def load_finished(target: Path) -> dict[str, Any] | None:

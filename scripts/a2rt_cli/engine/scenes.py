@@ -16,7 +16,7 @@ from a2rt_cli.config_table import Table
 from a2rt_cli.engine.renderer import RenderOptions
 from a2rt_cli.errors import UserError
 from a2rt_cli.files import hash_file, hash_values
-from a2rt_cli.paths import CONFIGS, SHARED_SCENES
+from a2rt_cli.paths import CONFIGS, SHARED_SCENES, config_folder
 
 FOLDER = CONFIGS / "scenes"
 EMBEDDED = ("cornell", "spheres", "forest", "torture")
@@ -100,7 +100,7 @@ def _load(path: Path) -> SceneConfig:
 
 def _workload_effects(workload: str) -> list[str]:
     """Effects that a workload brings whatever the scene: its shadow or occlusion rays."""
-    path = CONFIGS / "workloads" / f"{workload}.toml"
+    path = config_folder("workloads") / f"{workload}.toml"
     if not path.is_file():
         return []
     sampling = Table.read(path).get("sampling", dict, {})

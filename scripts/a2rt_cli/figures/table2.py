@@ -11,7 +11,7 @@ from a2rt_cli import console, energy_table, formats, plotting
 from a2rt_cli.config_table import Table
 from a2rt_cli.energy_table import Row
 from a2rt_cli.figures import Context, Drawn
-from a2rt_cli.paths import CONFIGS
+from a2rt_cli.paths import CONFIGS, config_folder
 
 TITLE = "areas and powers of the A²RT engine and of QBOX's computing part"
 NAME = "table2"
@@ -27,7 +27,7 @@ GPU = "table1"
 
 def counts() -> dict[str, int]:
     """Testers of the machine that figures are simulated on."""
-    testers = Table.read(CONFIGS / "gpus" / f"{GPU}.toml").get("rt", dict)["testers"]
+    testers = Table.read(config_folder("gpus") / f"{GPU}.toml").get("rt", dict)["testers"]
     return {component: testers[key]["count"] for component, (key, _) in ENGINE.items()}
 
 

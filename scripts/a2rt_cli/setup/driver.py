@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import platform
 import re
@@ -11,6 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _ICD_FOLDERS = (Path("/usr/share/vulkan/icd.d"), Path("/usr/local/share/vulkan/icd.d"))
+# Where the linker looks for a library named without a folder, that of this machine first.
+_LIBRARY_FOLDERS = tuple(
+    folder
+    for place in (Path("/usr/local/lib"), Path("/usr/lib"))
+    for folder in (place / f"{platform.machine()}-linux-gnu", place)
+)
 
 
 @dataclass(frozen=True)
@@ -26,6 +33,16 @@ def icd_file() -> Path | None:
     found = [path for folder in _ICD_FOLDERS for path in sorted(folder.glob("lvp_icd*.json"))]
     own = [path for path in found if platform.machine() in path.name]
     return (own or found or [None])[0]
+
+
+def files() -> list[Path]:
+    """lavapipe's manifest and library: another Mesa may find other hits."""
+    icd = icd_file()
+    if icd is None:
+        return []
+    named = json.loads(icd.read_text(encoding="utf-8"))["ICD"]["library_path"]
+    places = (icd.parent,) if "/" in named else _LIBRARY_FOLDERS
+    return [icd, *[place / named for place in places if (place / named).is_file()][:1]]
 
 
 def environment(icd: Path) -> dict[str, str]:
