@@ -37,6 +37,19 @@ TEST(Sampling, takes_the_asked_share_of_every_dispatch_in_whole_blocks) {
   EXPECT_EQ(different.size(), plan.warps.size());
 }
 
+TEST(Sampling, cheap_and_dear_blocks_have_their_share) {
+  // A dear block after every three cheap ones: drawn by place, every fourth would be all or
+  // nothing.
+  std::vector<double> costs(160 * kBlockWarps);
+  for (std::size_t warp = 0; warp < costs.size(); ++warp) {
+    costs[warp] = warp / kBlockWarps % 4 == 3 ? 100 : 1;
+  }
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const SamplePlan plan = plan_sample(places(costs.size()), costs, 0.25, seed);
+    EXPECT_DOUBLE_EQ(plan.cost_chosen / plan.cost_all, 0.25) << seed;
+  }
+}
+
 TEST(Sampling, the_same_seed_draws_the_same_warps_and_another_seed_does_not) {
   const std::size_t warps = 160 * kBlockWarps;
   const auto drawn = [&](std::uint64_t seed) {

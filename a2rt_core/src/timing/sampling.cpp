@@ -33,6 +33,20 @@ std::vector<std::size_t> evenly(std::size_t all, std::size_t count, std::uint64_
   return out;
 }
 
+// The blocks of the dispatch whose warps are [first, end), the cheapest first.
+std::vector<std::size_t> by_cost(const std::vector<double>& costs, std::size_t first,
+                                 std::size_t end, std::size_t blocks) {
+  std::vector<double> cost(blocks, 0);
+  for (std::size_t warp = first; warp < end; ++warp) {
+    cost[(warp - first) / kBlockWarps] += costs[warp];
+  }
+  std::vector<std::size_t> order(blocks);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return cost[a] < cost[b]; });
+  return order;
+}
+
 }  // namespace
 
 std::vector<double> warp_costs(const Workload& workload, RaySource& source,
@@ -84,7 +98,9 @@ SamplePlan plan_sample(const std::vector<WarpPlace>& warps, const std::vector<do
         static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(blocks) - 1e-9));
     // A spread needs two.
     const std::size_t count = std::clamp(wanted, std::min<std::size_t>(2, blocks), blocks);
-    for (const std::size_t block : evenly(blocks, count, seed)) {
+    const std::vector<std::size_t> sorted = by_cost(costs, first, end, blocks);
+    for (const std::size_t rank : evenly(blocks, count, seed)) {
+      const std::size_t block = sorted[rank];
       const std::size_t stop = std::min(end, first + (block + 1) * kBlockWarps);
       for (std::size_t warp = first + block * kBlockWarps; warp < stop; ++warp) {
         plan.warps.push_back(static_cast<std::uint32_t>(warp));

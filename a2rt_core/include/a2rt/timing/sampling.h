@@ -1,9 +1,10 @@
 // Sampling: time a representative subset of the warps and extrapolate.
 //
-// Each dispatch is cut into blocks of consecutive warps, which share cache lines; every so-many-th
-// block is run, in shuffled order. The warps launched neither in the machine's first filling nor in
-// its last ran on a full machine. By Little's law such a machine gives residence / places cycles to
-// a warp, and so long the warps left out would have taken, by their share of the cost (a proxy:
+// Each dispatch is cut into blocks of consecutive warps, which share cache lines. Of the blocks, in
+// the order of their cost, every so-many-th is run, so that cheap and dear ones have their share;
+// the order of the run is shuffled. The warps launched neither in the machine's first filling nor
+// in its last ran on a full machine. By Little's law such a machine gives residence / places cycles
+// to a warp, and so long the warps left out would have taken, by their share of the cost (a proxy:
 // events of some of their rays, traced without time). Cold start and thinning end occur once in
 // the sample as in the whole. A sample that does not fill the machine a few times over has no warps
 // between its start and its end; it is refused.
