@@ -15,8 +15,8 @@ from a2rt_cli.engine.renderer import RenderOptions
 from a2rt_cli.engine.scenes import Scene
 from a2rt_cli.files import read_json
 
-# Frames drawn in each run; their median is one measurement.
-FRAMES = 3
+# Simulations of each unit; the fastest counts, as the others were disturbed.
+REPEATS = 3
 # What the project asks of itself on a machine of two cores.
 LIMITS: dict[str, Any] = {
     "overhead": 2.5,
@@ -59,10 +59,10 @@ def _frame_seconds(
 
 
 def layer_overhead(
-    scenes: Sequence[Scene], size: tuple[int, int], pairs: int, beside: Path
+    scenes: Sequence[Scene], size: tuple[int, int], pairs: int, frames: int, beside: Path
 ) -> list[dict[str, Any]]:
     """The layer with full capture against the same layer without; alternating, so that a busy
-    machine slows both."""
+    machine slows both. The median of `frames` frames is one measurement."""
     rows = []
     for scene in scenes:
         options = RenderOptions(width=size[0], height=size[1], spp=1)
@@ -72,8 +72,8 @@ def layer_overhead(
             renderer.scratch(beside) as scratch,
         ):
             for index in range(pairs):
-                plain.append(_frame_seconds(scene, options, scratch, FRAMES, captured=False))
-                full.append(_frame_seconds(scene, options, scratch, FRAMES, captured=True))
+                plain.append(_frame_seconds(scene, options, scratch, frames, captured=False))
+                full.append(_frame_seconds(scene, options, scratch, frames, captured=True))
                 ratios.append(full[-1] / plain[-1])
                 shown.update((index + 1) / pairs)
         rows.append(
@@ -81,6 +81,7 @@ def layer_overhead(
                 "scene": scene.name,
                 "size": list(size),
                 "pairs": pairs,
+                "frames": frames,
                 "seconds_without_capture": statistics.median(plain),
                 "seconds_with_capture": statistics.median(full),
                 "ratio": statistics.median(ratios),
@@ -132,27 +133,19 @@ def build_cost(scenes: Sequence[Scene], cache: Path) -> list[dict[str, Any]]:
 
 
 def simulation_rates(
-    scenes: Sequence[Scene], units: Sequence[str], cache: Path
+    scenes: Sequence[Scene], units: Sequence[str], repeats: int, cache: Path
 ) -> list[dict[str, Any]]:
-    """Simulated rays a second of every unit, one process at a time."""
+    """Simulated rays a second of every unit: one thread, its processor time."""
     rows = []
     for scene in scenes:
         with console.step(f"Simulated rays on {scene.name}") as shown:
             captured = capture.from_scene(scene, PATH_TRACING, cache, shown=shown)
-            for index, unit in enumerate(units):
-                with renderer.scratch(cache) as scratch:
-                    result = core.simulate(captured.file, unit, "table1", scratch / "r.json")
-                rows.append(
-                    {
-                        "scene": scene.name,
-                        "unit": unit,
-                        "rays": result["time"]["rays"],
-                        "cycles": result["time"]["cycles"],
-                        "seconds": result["provenance"]["seconds"],
-                        "rays_per_second": result["provenance"]["rays_per_second"],
-                    }
+            with renderer.scratch(cache) as scratch:
+                target = scratch / "bench.json"
+                found = core.bench_simulate(
+                    captured.file, target, units=units, repeats=repeats, shown=shown
                 )
-                shown.update((index + 1) / len(units), unit)
+        rows += [{"scene": scene.name, **unit} for unit in found]
     return rows
 
 
@@ -228,16 +221,18 @@ def print_build(rows: Sequence[dict[str, Any]]) -> None:
 
 
 def print_simulation(rows: Sequence[dict[str, Any]]) -> None:
-    console.heading("Simulated rays a second on one core (machine table1)")
+    console.heading("Simulated rays a second of processor time, one thread (machine table1)")
     cells = [
         (
             row["scene"],
             row["unit"],
             formats.count(row["rays"]),
             f"{row['seconds']:.2f} s",
+            formats.percent(row["walk_seconds"] / row["seconds"], 0),
             formats.count(row["rays_per_second"]),
             *_verdict(row["rays_per_second"], LIMITS["simulation"], False),
         )
         for row in rows
     ]
-    print(console.table(("scene", "unit", "rays", "time", "rays/s", "limit", ""), cells, left=2))
+    columns = ("scene", "unit", "rays", "time", "traversal", "rays/s", "limit", "")
+    print(console.table(columns, cells, left=2))

@@ -15,7 +15,7 @@ from a2rt_cli.setup.needs import Need
 
 EXAMPLES = """  scripts/a2rt bench
   scripts/a2rt bench --only units,build --scenes bath,car
-  scripts/a2rt bench --only overhead --scenes cornell --pairs 7 -o bench.json
+  scripts/a2rt bench --only overhead --scenes forest --pairs 7 --frames 1
 """
 NEED = Need.ENGINE
 # Part -> the scenes it is measured on.
@@ -48,6 +48,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--pairs", type=options.positive, default=3, help="pairs of runs of the overhead (3)"
     )
+    parser.add_argument(
+        "--frames",
+        type=options.positive,
+        default=3,
+        help="frames a run of the overhead draws; their median counts (3)",
+    )
     parser.add_argument("-o", "--output", metavar="FILE", help="JSON (out/bench/bench.json)")
 
 
@@ -73,7 +79,7 @@ def run(args: argparse.Namespace) -> int:
         for note in filter(None, dict.fromkeys(scene.note for scene in chosen)):
             console.note(f"  {note}")
         if part == "overhead":
-            found[part] = bench.layer_overhead(chosen, args.size, args.pairs, cache)
+            found[part] = bench.layer_overhead(chosen, args.size, args.pairs, args.frames, cache)
             bench.print_overhead(found[part])
         elif part == "units":
             found[part] = bench.unit_rates(chosen, cache)
@@ -82,7 +88,7 @@ def run(args: argparse.Namespace) -> int:
             found[part] = bench.build_cost(chosen, cache)
             bench.print_build(found[part])
         else:
-            found[part] = bench.simulation_rates(chosen, UNITS, cache)
+            found[part] = bench.simulation_rates(chosen, UNITS, bench.REPEATS, cache)
             bench.print_simulation(found[part])
         write_json(target, found)
     print(f"\nNumbers: {shown(target)}   (load of the machine: {found['machine']['load']:.1f})")

@@ -97,6 +97,21 @@ def bench_units(
     return read_result(target)
 
 
+def bench_simulate(
+    workload: Path,
+    target: Path,
+    *,
+    units: Sequence[str],
+    repeats: int = 1,
+    shown: console.Step | None = None,
+) -> list[dict[str, Any]]:
+    """Simulated rays a second of every unit, in processor time of one thread; best of `repeats`."""
+    words: list[str | Path] = ["bench-simulate", workload, "--units", ",".join(units)]
+    words += ["--repeats", str(repeats), "-o", target]
+    _call(words, f"timing simulations of {workload.name}", shown)
+    return read_result(target)
+
+
 def direction_map(
     units: Sequence[str], bins: int, pairs: int, target: Path, shown: console.Step | None = None
 ) -> dict[str, Any]:
@@ -114,7 +129,7 @@ def subcommands() -> frozenset[str]:
     return frozenset(line.split()[0] for line in lines[start + 1 :] if line.strip())
 
 
-def read_result(path: Path) -> dict[str, Any]:
+def read_result(path: Path) -> Any:
     try:
         return json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
