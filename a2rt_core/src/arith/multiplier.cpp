@@ -1,6 +1,7 @@
 #include "a2rt/arith/multiplier.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -82,6 +83,17 @@ IntFloatMultiplier::IntFloatMultiplier(const A2rtPrecision& precision)
       format_(precision.direction),
       rounding_(precision.rounding) {}
 
+namespace {
+
+// product * 2^exponent, exact: the product has at most 40 bits and FP32's exponents are far from
+// the ends of FP64's.
+double scaled(std::uint64_t product, int exponent) {
+  const auto power = static_cast<std::uint64_t>(exponent + 1023) << 52U;
+  return static_cast<double>(product) * std::bit_cast<double>(power);
+}
+
+}  // namespace
+
 float IntFloatMultiplier::near(std::uint32_t magnitude, float rate) const {
   if (magnitude == 0) {
     return 0;
@@ -90,9 +102,7 @@ float IntFloatMultiplier::near(std::uint32_t magnitude, float rate) const {
     return rate;
   }
   const Significand m = split(rate, format_);
-  // P < 2^40: exact in FP64, and so is the scaling.
-  const double product =
-      std::ldexp(static_cast<double>(core_.low(magnitude, m.integer)), m.exponent);
+  const double product = scaled(core_.low(magnitude, m.integer), m.exponent);
   Rounding direction =
       rounding_ == QuantRounding::kNearest ? Rounding::kNearestEven : Rounding::kTowardZero;
   if (mutant(Mutant::kProductNearRoundsUp)) {
@@ -107,8 +117,7 @@ float IntFloatMultiplier::far(std::uint32_t magnitude, float rate) const {
     return rate;
   }
   const Significand m = split(rate, format_);
-  const double product =
-      std::ldexp(static_cast<double>(core_.high(magnitude, m.integer)), m.exponent);
+  const double product = scaled(core_.high(magnitude, m.integer), m.exponent);
   Rounding direction =
       rounding_ == QuantRounding::kNearest ? Rounding::kNearestEven : Rounding::kAwayFromZero;
   if (mutant(Mutant::kProductFarTruncates)) {

@@ -37,6 +37,33 @@ double round_integer(double scaled, Rounding rounding) {
   return up ? below + 1 : below;
 }
 
+constexpr int kStoredBits = 52;  // of FP64
+constexpr int kBias = 1023;
+
+// Short cut of round_to() for results that neither under- nor overflow: FP64's encoding is
+// monotone, so that dropping or adding the bits the format lacks rounds, with carries into the
+// exponent as needed.
+double round_bits(std::uint64_t bits, int significand_bits, Rounding rounding) {
+  const int lacking = kStoredBits + 1 - significand_bits;
+  const std::uint64_t dropped = (std::uint64_t{1} << lacking) - 1;
+  switch (rounding) {
+    case Rounding::kTowardZero:
+      break;
+    case Rounding::kAwayFromZero:
+      bits += dropped;
+      break;
+    case Rounding::kNearestEven:
+      bits += (dropped >> 1) + (bits >> lacking & 1);
+      break;
+  }
+  return std::bit_cast<double>(bits & ~dropped);
+}
+
+bool rounding_is_faulty() {
+  return mutant(Mutant::kTruncateKeepsOneBitMore) || mutant(Mutant::kAwayForgetsSticky) ||
+         mutant(Mutant::kAwayAlwaysSteps);
+}
+
 }  // namespace
 
 float max_finite(FloatFormat format) {
@@ -52,6 +79,12 @@ float round_to(double value, FloatFormat format, Rounding rounding) {
   A2RT_CHECK(!std::isnan(value), "NaN reached a rounding to a small format");
   if (std::isinf(value) || value == 0) {
     return static_cast<float>(value);
+  }
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  const int quick = static_cast<int>(bits >> kStoredBits & 0x7FFU) - kBias;
+  if (quick >= format.min_exponent() && quick < format.max_exponent() && !rounding_is_faulty())
+      [[likely]] {
+    return static_cast<float>(round_bits(bits, format.significand_bits, rounding));
   }
   const double magnitude = std::fabs(value);
   int exponent = std::ilogb(magnitude);
@@ -72,6 +105,13 @@ float round_to(double value, FloatFormat format, Rounding rounding) {
 
 Significand split(float value, FloatFormat format) {
   A2RT_CHECK(std::isfinite(value), "only finite numbers have a significand");
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  const int quick = static_cast<int>(bits >> 23U & 0xFFU) - 127;
+  if (quick >= format.min_exponent()) [[likely]] {
+    // A normal number of the format is one of FP32, whose lowest bits are then zeros.
+    const std::uint32_t significand = (bits & 0x7FFFFFU) | 0x800000U;
+    return {significand >> (24 - format.significand_bits), quick - (format.significand_bits - 1)};
+  }
   const double magnitude = std::fabs(static_cast<double>(value));
   if (magnitude == 0) {
     return {0, format.min_exponent() - (format.significand_bits - 1)};
