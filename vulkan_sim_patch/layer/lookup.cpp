@@ -32,7 +32,7 @@ bool same_function(std::string_view listed, std::string_view asked) {
 }
 
 template <class Functions>
-PFN_vkVoidFunction find(const Functions& functions, std::string_view name) {
+PFN_vkVoidFunction find_in(const Functions& functions, std::string_view name) {
   for (const Function& function : functions) {
     if (same_function(function.name, name)) {
       return function.pointer;
@@ -49,12 +49,12 @@ PFN_vkVoidFunction find_instance_function(const char* name) {
           Function{"vkGetInstanceProcAddr",
                    reinterpret_cast<PFN_vkVoidFunction>(&get_instance_proc_addr)},
       Function{"vkGetDeviceProcAddr", reinterpret_cast<PFN_vkVoidFunction>(&get_device_proc_addr)}};
-  return find(functions, name);
+  return find_in(functions, name);
 }
 
 PFN_vkVoidFunction find_device_function(const char* name) {
   static const std::array functions = {A2RT_INTERCEPTED_DEVICE_FUNCTIONS(A2RT_FUNCTION)};
-  return find(functions, name);
+  return find_in(functions, name);
 }
 
 PFN_vkVoidFunction VKAPI_CALL get_instance_proc_addr(VkInstance instance, const char* name) {
