@@ -26,7 +26,7 @@ target_compile_options(a2rt_build_flags INTERFACE
   -fno-fast-math)
 if(A2RT_SANITIZE)
   target_compile_options(a2rt_build_flags INTERFACE
-    -fsanitize=${A2RT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g $<$<CONFIG:Debug>:-g1>)
+    -fsanitize=${A2RT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g)
   target_link_options(a2rt_build_flags INTERFACE -fsanitize=${A2RT_SANITIZE})
 endif()
 
