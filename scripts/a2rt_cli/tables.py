@@ -151,8 +151,8 @@ SAMPLE_COLUMNS = [
     "error",
 ]
 SAMPLE_NOTE = (
-    "Warps are drawn from strata of like cost. The error is against a full run of the same unit, "
-    "made only with --check-sample."
+    "Blocks of neighbouring warps are drawn evenly over their cost. The error is against a full "
+    "run of the same unit, made only with --check-sample."
 )
 
 

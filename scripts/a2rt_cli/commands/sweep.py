@@ -40,6 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    from a2rt_cli.files import exclusive
     from a2rt_cli.paths import shown
     from a2rt_cli.report import price_page
     from a2rt_cli.sweep import plan, search, workflow
@@ -52,12 +53,15 @@ def run(args: argparse.Namespace) -> int:
         best = search.run(experiment, out, args.trials, args.parallel)
         search.print_best(experiment, best)
         return 0
-    planned = plan.write(experiment, out)
-    print(f"{experiment.title}: {len(planned.points)} points on {len(planned.captures)} captures")
-    workflow.run(planned, out, args.parallel, dry_run=args.dry_run, profile=args.profile)
     if args.dry_run:
+        workflow.dry_run(experiment, out, args.parallel, args.profile)
         return 0
-    plan.collect(planned, out, options.command_line())
-    page = price_page.write(out, experiment)
+    with exclusive(out):
+        planned = plan.write(experiment, out)
+        points = f"{len(planned.points)} points on {len(planned.captures)} captures"
+        print(f"{experiment.title}: {points}")
+        workflow.run(planned, out, args.parallel, args.profile)
+        plan.collect(planned, out, options.command_line())
+        page = price_page.write(out, experiment)
     print(f"\nReport:  {shown(page)}\nNumbers: {shown(out / 'results.json')}")
     return 0

@@ -42,6 +42,11 @@ def find_finished(
     return found if _mark(found).is_file() else None
 
 
+def key_of(scene: scenes.Scene, options: RenderOptions) -> str:
+    """Hash of all that decides the capture of a scene; known before it is drawn."""
+    return _key(scene, scene.drawn_with(options))
+
+
 def _key(scene: scenes.Scene, options: RenderOptions) -> str:
     settings = keys.of_workload(options.workload)
     return hash_values(scene.content_key(), options.as_dict(), settings, programs.capture_key())

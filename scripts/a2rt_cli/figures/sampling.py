@@ -28,7 +28,8 @@ def draw(context: Context) -> Drawn:
         )
     for one in refused:
         text += f"\nNo sample of {results.workload_name(one)} with {results.label(one)}: "
-        text += results.get(one, "sample.refused", "") or one.get("time_missing", "too few warps")
+        why = results.get(one, "sample.whole_because") or one.get("time_missing")
+        text += why or "too few warps"
     numbers = [
         {"workload": results.workload_name(one), "unit": results.label(one), **one["sample"]}
         for one in found

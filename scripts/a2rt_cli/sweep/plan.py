@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from a2rt_cli import comparison, experiment, results
-from a2rt_cli.engine import programs, scenes
+from a2rt_cli.engine import capture, runs, scenes
+from a2rt_cli.engine.capture import Captured
 from a2rt_cli.engine.renderer import RenderOptions
 from a2rt_cli.engine.runs import RunSpec
 from a2rt_cli.errors import UserError
@@ -22,7 +23,11 @@ load = experiment.load
 
 @dataclass(frozen=True)
 class Point:
-    """One run of the sweep. `role` says why it is there; a point may serve several knobs."""
+    """One run of the sweep. `role` says why it is there; a point may serve several knobs.
+
+    The name holds a hash of all that decides the result, so that a finished point is never taken
+    for one of another size, scene, configuration or build.
+    """
 
     name: str
     capture: str
@@ -38,18 +43,18 @@ BATCH = 12
 @dataclass(frozen=True)
 class Plan:
     title: str
-    captures: dict[str, dict[str, Any]]
+    captures: dict[str, dict[str, Any]]  # by a name that holds a hash, as a point's does
     points: list[Point]
 
     def batches(self) -> dict[str, list[Point]]:
         """Points by the job that runs them. All of a job share a capture; the name says which."""
         out = {}
-        for capture in self.captures:
-            members = [point for point in self.points if point.capture == capture]
+        for drawn in self.captures:
+            members = [point for point in self.points if point.capture == drawn]
             for start in range(0, len(members), BATCH):
                 batch = members[start : start + BATCH]
                 key = hash_values([point.name for point in batch])[:12]
-                out[f"{capture}.{key}"] = batch
+                out[f"{drawn}.{key}"] = batch
         return out
 
 
@@ -111,14 +116,20 @@ def _spec(one: Experiment, unit: str, overrides: Sequence[str]) -> RunSpec:
 
 
 def make(one: Experiment) -> Plan:
-    captures = {
-        item.name: {"scene": item.text, "options": item.options.as_dict()} for item in one.items()
-    }
-    points = []
-    for name in captures:
+    captures, points = {}, []
+    for item in one.items():
+        key = capture.key_of(scenes.find(item.text), item.options)
+        name = f"{item.name}.{key[:12]}"
+        captures[name] = {
+            "name": item.name,
+            "scene": item.text,
+            "options": item.options.as_dict(),
+        }
+        drawn = Captured(item.name, Path(), key)  # by its hash; it need not be there yet
         for spec, roles in _specs(one).items():
-            key = hash_values(name, asdict(spec), programs.core_key())[:12]
-            points.append(Point(f"{name}.{Path(spec.unit).stem}.{key}", name, spec, tuple(roles)))
+            run = runs.run_key(drawn, spec)[:12]
+            unit = Path(spec.unit).stem
+            points.append(Point(f"{item.name}.{unit}.{run}", name, spec, tuple(roles)))
     return Plan(one.title, captures, points)
 
 
@@ -161,9 +172,10 @@ def read(path: Path) -> Plan:
     return Plan(value["title"], value["captures"], points)
 
 
-def capture_item(plan: Plan, name: str) -> tuple[scenes.Scene, RenderOptions]:
+def capture_item(plan: Plan, name: str) -> tuple[str, scenes.Scene, RenderOptions]:
+    """What results call it, and what to draw."""
     entry = plan.captures[name]
-    return scenes.find(entry["scene"]), RenderOptions(**entry["options"])
+    return entry["name"], scenes.find(entry["scene"]), RenderOptions(**entry["options"])
 
 
 def collect(plan: Plan, out: Path, command: str) -> list[dict[str, Any]]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from a2rt_cli import comparison, console, formats, results
-from a2rt_cli.engine import capture, scenes
+from a2rt_cli.engine import capture, runs, scenes
 from a2rt_cli.engine.capture import Captured
 from a2rt_cli.engine.runs import RunSpec
 from a2rt_cli.errors import UserError
@@ -64,7 +64,7 @@ def run(one: Experiment, out: Path, trials: int, parallel: int) -> dict[str, Any
     with exclusive(out):
         captured = _captures(one, out)
         default = _measure(one, captured, (), out, parallel)
-        study = _study(one.search, out, [c.key for c in captured])
+        study = _study(one, one.search, out, captured)
         # A trial that was running when the search was killed has no value and is made up for.
         left = max(0, trials - sum(1 for trial in study.trials if trial.values))
         with console.step(f"Searching, {left} of {trials} trials to go") as shown:
@@ -74,7 +74,7 @@ def run(one: Experiment, out: Path, trials: int, parallel: int) -> dict[str, Any
                 measured = _measure(one, captured, overrides, out, parallel)
                 _tell(study, trial, one.search, measured, default)
                 shown.update((index + 1) / left, f"cost {measured['cost']:.4g}")
-    summary = _summary(study, default)
+    summary = _summary(study, one.search, default)
     write_json(out / "search.json", summary)
     return summary
 
@@ -86,11 +86,19 @@ def _choose(trial, search: Search) -> tuple[str, ...]:
     )
 
 
-def _study(search: Search, out: Path, keys: list[str]):
+def study_name(one: Experiment, search: Search, captured: list[Captured]) -> str:
+    """Trials are comparable if all that decides their results is equal, the budget included."""
+    spec = RunSpec(search.unit, one.gpu, (), one.audit, picture=False)
+    results_of = [runs.run_key(drawn, spec) for drawn in captured]
+    budget = [search.most_lost_hits, search.most_extra_redundant]
+    return hash_values(results_of, list(search.space.items()), search.minimise, budget)[:12]
+
+
+def _study(one: Experiment, search: Search, out: Path, captured: list[Captured]):
     import optuna
 
     optuna.logging.set_verbosity(optuna.logging.WARNING)
-    name = hash_values(search.unit, list(search.space.items()), search.minimise, keys)[:12]
+    name = study_name(one, search, captured)
     study = optuna.create_study(
         study_name=name,
         storage=f"sqlite:///{(out / 'search.db').resolve()}",
@@ -108,21 +116,23 @@ def _study(search: Search, out: Path, keys: list[str]):
 
 
 def _tell(study, trial, search: Search, measured: dict, default: dict) -> None:
-    most_redundant = default["redundant"] * (1 + search.most_extra_redundant)
-    trial.set_user_attr(
-        "constraints",
-        [measured["lost"] - search.most_lost_hits, measured["redundant"] - most_redundant],
-    )
+    trial.set_user_attr("constraints", _over(search, measured, default))
     trial.set_user_attr("measured", measured)
     study.tell(trial, measured["cost"])
 
 
-def _summary(study, default: dict) -> dict[str, Any]:
+def _over(search: Search, measured: dict, default: dict) -> list[float]:
+    """By how much each limit of the budget is exceeded; at most 0 where it is kept."""
+    most_redundant = default["redundant"] * (1 + search.most_extra_redundant)
+    return [measured["lost"] - search.most_lost_hits, measured["redundant"] - most_redundant]
+
+
+def _summary(study, search: Search, default: dict) -> dict[str, Any]:
     trials = [
         {
             "parameters": trial.params,
             **trial.user_attrs["measured"],
-            "within_budget": max(trial.user_attrs["constraints"]) <= 0,
+            "within_budget": max(_over(search, trial.user_attrs["measured"], default)) <= 0,
         }
         for trial in study.trials
         if trial.values

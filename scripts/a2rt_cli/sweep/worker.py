@@ -18,8 +18,8 @@ FINISHED = "@point"
 
 def make_capture(planned: plan.Plan, out: Path, name: str) -> None:
     """Leaves OUT/captures/NAME.json, which says where the workload file is."""
-    scene, options = plan.capture_item(planned, name)
-    found = capture.from_scene(scene, options, out / ".cache" / "captures", name=name)
+    called, scene, options = plan.capture_item(planned, name)
+    found = capture.from_scene(scene, options, out / ".cache" / "captures", name=called)
     record = {"file": str(found.file), "key": found.key, "picture": str(found.picture)}
     write_json(out / "captures" / f"{name}.json", record)
 
@@ -34,9 +34,9 @@ def make_batch(planned: plan.Plan, out: Path, name: str) -> None:
 
 def _make_point(planned: plan.Plan, out: Path, point: plan.Point) -> None:
     record = read_json(out / "captures" / f"{point.capture}.json")
-    scene, options = plan.capture_item(planned, point.capture)
+    called, scene, options = plan.capture_item(planned, point.capture)
     captured = Captured(
-        point.capture,
+        called,
         Path(record["file"]),
         record["key"],
         scene,

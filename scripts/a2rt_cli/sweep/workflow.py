@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from a2rt_cli import console
 from a2rt_cli.errors import UserError
-from a2rt_cli.files import exclusive
+from a2rt_cli.experiment import Experiment
 from a2rt_cli.paths import LOGS, SCRIPTS, venv_python
 from a2rt_cli.process import run_logged
 from a2rt_cli.sweep import plan as plans
@@ -36,15 +37,25 @@ def command(out: Path, parallel: int, dry_run: bool, profile: str | None) -> lis
     return [*words, "--dry-run"] if dry_run else words
 
 
-def run(plan: Plan, out: Path, parallel: int, *, dry_run: bool, profile: str | None) -> None:
-    words = command(out, parallel, dry_run, profile)
-    env = {**os.environ, "A2RT_NO_SETUP": "1", "PYTHONPATH": str(SCRIPTS)}
-    if dry_run:
-        status = subprocess.run([*words, "--quiet", "rules"], env=env, check=False).returncode
-        if status:
-            sys.exit(status)
-        print(f"dry run: nothing was started ({len(plan.points)} points planned)")
-        return
+def dry_run(one: Experiment, out: Path, parallel: int, profile: str | None) -> None:
+    """Says what a sweep into `out` would do, without a trace there: another may be running."""
+    with tempfile.TemporaryDirectory() as folder:
+        planned = plans.write(one, Path(folder))
+        words = command(Path(folder), parallel, True, profile)
+        status = subprocess.run([*words, "--quiet", "rules"], env=_env(), check=False).returncode
+    if status:
+        sys.exit(status)
+    kept = len(planned.points) - len(plans.unfinished(planned, out))
+    there = f", {kept} of them are there already" if kept else ""
+    print(f"dry run: nothing was started ({len(planned.points)} points planned{there})")
+
+
+def _env() -> dict[str, str]:
+    return {**os.environ, "A2RT_NO_SETUP": "1", "PYTHONPATH": str(SCRIPTS)}
+
+
+def run(plan: Plan, out: Path, parallel: int, profile: str | None) -> None:
+    """Runs what is missing of `plan`, whose file is in `out`; the caller holds the folder."""
     log = LOGS / "sweep.log"
     log.parent.mkdir(parents=True, exist_ok=True)
     log.write_text("", encoding="utf-8")
@@ -53,7 +64,7 @@ def run(plan: Plan, out: Path, parallel: int, *, dry_run: bool, profile: str | N
     kept = len(plan.points) - len(todo)
     title = f"Running {len(todo)} points" + (f" ({kept} are there already)" if kept else "")
     finished = 0
-    with exclusive(out), console.step(title) as shown:
+    with console.step(title) as shown:
 
         def follow(line: str) -> None:
             nonlocal finished
@@ -62,11 +73,11 @@ def run(plan: Plan, out: Path, parallel: int, *, dry_run: bool, profile: str | N
                 shown.update(finished / len(todo), f"{finished} of {len(todo)}")
 
         run_logged(
-            words,
+            command(out, parallel, False, profile),
             log,
             what="the sweep",
             remedy="mend what the log names, then run the same command: finished points are kept",
-            env=env,
+            env=_env(),
             on_line=follow,
         )
 
