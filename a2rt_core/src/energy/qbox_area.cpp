@@ -15,7 +15,7 @@ constexpr int kAxes = 3;
 // max(0, x, y, z) and min(left, x, y, z) are three two-input selections each.
 constexpr int kSelections = 6;
 
-int ceil_log2(int n) { return std::bit_width(static_cast<unsigned>(n - 1)); }
+int ceil_log2(int n) { return static_cast<int>(std::bit_width(static_cast<unsigned>(n - 1))); }
 
 // |plane - origin|: a subtractor of one bit more than the magnitude, then conditional inversion.
 double subtractor(int magnitude_bits) {
