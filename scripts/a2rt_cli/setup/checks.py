@@ -13,6 +13,10 @@ from a2rt_cli.setup import build, debian, driver, python_env
 from a2rt_cli.setup.needs import Need
 
 
+# What the build makes, by the names CMake gives them.
+PROGRAMS = ("a2rt-core", "a2rt-render", "libVkLayer_a2rt_capture.so")
+
+
 @dataclass(frozen=True)
 class Finding:
     what: str
@@ -98,7 +102,7 @@ def _python() -> Iterator[Finding]:
 
 
 def _programs() -> Iterator[Finding]:
-    for name in ("a2rt-core", "a2rt-render", "libVkLayer_a2rt.so"):
+    for name in PROGRAMS:
         path = build.find_program(name)
         if path:
             yield Finding(name, "ok", str(path))
