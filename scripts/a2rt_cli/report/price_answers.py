@@ -82,6 +82,8 @@ def _bits(experiment: Experiment, found: Found, scope: str) -> Answer | None:
     )
     headline = f"{change(eight.cycles, ten.cycles, 2)} time"
     headline += f", {change(eight.redundant, ten.redundant, 0)} redundant hits"
+    if eight.area_ratio and ten.area_ratio:
+        headline += f", {change(eight.area_ratio, ten.area_ratio, 0)} tester area"
     return Answer("8 box bits instead of 10", headline, detail)
 
 
@@ -150,14 +152,17 @@ def _thresholds(experiment: Experiment, found: Found, scope: str) -> Answer | No
     own = 1 / best.cost.cycles - 1
     worst = max(cells, key=lambda c: c.cost.cycles)
 
-    def span(key: str) -> str:
-        values = sorted({c.values[key] for c in good})
-        return f"{values[0]:g} to {values[-1]:g}" if len(values) > 1 else f"{values[0]:g}"
+    def slowest(changed: str, kept: str) -> str:
+        line = [c for c in cells if c.values[kept] == best.values[kept]]
+        low, high = (f(c.values[changed] for c in line) for f in (min, max))
+        slower = max(c.cost.cycles for c in line) / best.cost.cycles - 1
+        return f"anywhere from {low:g} to {high:g} costs at most {slower * 100:.1f} % of time"
 
     detail = (
-        f"{len(good)} of {len(cells)} settings tried are within {FLAT * 100:g} % of the best time: "
-        f"S_t from {span(_S_T)}, L_t from {span(_L_T)}. The defaults are {own * 100:.2f} % slower "
-        f"than the best; the worst (S_t = {worst.values[_S_T]:g}, L_t = {worst.values[_L_T]:g}) is "
+        f"{len(good)} of {len(cells)} settings tried are within {FLAT * 100:g} % of the best time. "
+        f"S_t alone {slowest(_S_T, _L_T)}; L_t alone {slowest(_L_T, _S_T)}. "
+        f"The defaults are {own * 100:.2f} % slower than the best; the worst "
+        f"(S_t = {worst.values[_S_T]:g}, L_t = {worst.values[_L_T]:g}) is "
         f"{(worst.cost.cycles / best.cost.cycles - 1) * 100:.1f} % slower."
     )
     headline = f"S_t = {best.values[_S_T]:g}, L_t = {best.values[_L_T]:g}; "
