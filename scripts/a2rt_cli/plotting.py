@@ -63,6 +63,7 @@ def beside(figure_id: str, found: Sequence[Result]) -> list[dict[str, object]]:
                     "what": number.what,
                     "paper": number.value,
                     "ours": value,
+                    "how": measures.how(number),
                     "kind": number.kind,
                     "source": number.source,
                 }
@@ -78,8 +79,8 @@ def beside_text(rows: Sequence[dict]) -> str:
         if row["ours"] is not None and row["paper"]:
             gap = f"{row['ours'] / row['paper']:.2f} × the paper's"
         paper = formats.of_kind(row["paper"], row["kind"])
-        cells.append((row["what"], paper, ours, gap))
-    return console.table(("quantity", "paper", "ours", "gap"), cells)
+        cells.append((row["what"], paper, ours, gap, row["how"]))
+    return console.table(("quantity", "paper", "ours", "gap", "ours is"), cells)
 
 
 def write_numbers(out: Path, name: str, paper: Sequence[dict], **more: object) -> Path:

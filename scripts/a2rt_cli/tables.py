@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 from a2rt_cli import console, formats, results
-from a2rt_cli.report import measures, stalls
+from a2rt_cli.report import measures, stalls, words
 from a2rt_cli.results import Result
 
 ACCURACY_COLUMNS = [
@@ -22,7 +23,16 @@ COMPARISON_WORDS = {
     results.SAME_COUNT: "same number of box testers",
     results.SAME_AREA: "same area of box testers",
 }
-TIME_COLUMNS = ["unit", "cycles", "speedup", "energy", "of baseline", "RT units mostly"]
+LOST_NOTE = (
+    "lost hits: rays whose hit in the driver the unit loses, or takes a farther one for. Ties, "
+    "self-hits at tmin, hits within rounding of an edge, hits that the driver's own box test skips "
+    "and hits that the program never looks at are counted apart."
+)
+BOXES_NOTE = (
+    "missed boxes, redundant: box decisions of the audited rays that say miss (hit) where the "
+    "exact box is hit (missed)."
+)
+_WIDTH = 88
 
 
 def accuracy_rows(group: Sequence[Result]) -> list[list[str]]:
@@ -51,6 +61,12 @@ def comparisons_of(group: Sequence[Result]) -> list[str]:
     """The comparisons that this workload was simulated for."""
     made = {results.get(one, "gpu.comparison") for one in group if results.is_timed(one)}
     return [name for name in COMPARISON_WORDS if name in made]
+
+
+def time_columns(group: Sequence[Result]) -> list[str]:
+    """Headings of `time_rows`: what a sample gives is marked."""
+    mark = ", extrapolated" if any(measures.is_sampled(one) for one in group) else ""
+    return ["unit", f"cycles{mark}", f"speedup{mark}", "energy", "of baseline", "RT units mostly"]
 
 
 def time_rows(group: Sequence[Result], comparison: str) -> list[list[str]]:
@@ -92,16 +108,12 @@ def print_comparison(found: Sequence[Result]) -> None:
             print(console.table(ACCURACY_COLUMNS, rows))
         for comparison in comparisons_of(group):
             print(f"\n{COMPARISON_WORDS[comparison]}:")
-            print(console.table(TIME_COLUMNS, time_rows(group, comparison)))
+            print(console.table(time_columns(group), time_rows(group, comparison)))
         for one in group:
             if one.get("time_missing"):
                 print(f"cycles of {results.label(one)} are missing: {one['time_missing']}")
     if accurate:
-        print(
-            "\nlost hits: rays whose closest hit is not the one exact arithmetic gives; missed"
-            "\nboxes, redundant: box decisions of the audited rays that say miss (hit) where the"
-            "\nexact box is hit (missed)."
-        )
+        print("\n" + textwrap.fill(f"{LOST_NOTE} {BOXES_NOTE}", _WIDTH))
 
 
 MATCH_COLUMNS = {
@@ -183,6 +195,8 @@ def print_samples(found: Sequence[Result]) -> None:
     if rows:
         console.heading("cycles extrapolated from a sample of the warps")
         print(console.table(SAMPLE_COLUMNS, rows, left=2))
+        if any(measures.is_sampled(one) for one in found):
+            print("\n" + textwrap.fill(words.SAMPLED, _WIDTH))
 
 
 def print_time(result: Result) -> None:

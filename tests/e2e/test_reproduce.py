@@ -19,7 +19,7 @@ def test_figure_8_has_both_comparisons_the_papers_numbers_and_the_gap_in_words(a
         drawn = pictures.load(folder / f"fig8-{comparison}.png")
         assert drawn.shape[1] > 1000 and drawn.std() > 20
     numbers = json.loads((folder / "fig8.json").read_text(encoding="utf-8"))
-    assert len(numbers["paper"]) == 8
+    assert len(numbers["paper"]) >= 8
     assert all(row["ours"] and row["paper"] for row in numbers["paper"])
     found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     assert {one["workload"]["workload"] for one in found} == {"pt", "sh", "ao"}

@@ -18,7 +18,7 @@ def sentences(found: Sequence[Result]) -> list[str]:
     timed = [one for one in found if results.is_timed(one) and stalls.bound(one)]
     out = []
     for unit in ("baseline", "a2rt"):
-        chosen = [one for one in timed if measures.pick([one], unit)]
+        chosen = measures.runs_of(timed, unit)
         if chosen:
             out.append(_bound(unit, chosen))
     out += _traffic(timed)
@@ -32,16 +32,23 @@ def _mean(values: Sequence[float]) -> float:
     return sum(values) / len(values)
 
 
+def _without(share: float) -> str:
+    """How many times as fast a run is without this share of its cycles."""
+    return f"{1 / (1 - share):.2f} times" if share < 1 else "any number of times"
+
+
 def _bound(unit: str, chosen: Sequence[Result]) -> str:
     bounds = [bound for one in chosen if (bound := stalls.bound(one))]
     what, times = Counter(bound.what for bound in bounds).most_common(1)[0]
-    testing = _mean([bound.testing for bound in bounds])
+    testing = [bound.testing for bound in bounds]
     used = max(bound.utilisation for bound in bounds)
     text = (
         f"{unit}: in {times} of {len(bounds)} runs an RT unit that has a warp spends most cycles "
-        f"{what}; {formats.percent(testing, 0)} of such cycles are testing and nothing else, so "
-        f"testers that took no time would make the units at most about {1 / (1 - testing):.2f} "
-        f"times as fast. No kind of tester is busy in more than {formats.percent(used)} of cycles"
+        f"{what}; in {formats.percent(_mean(testing), 0)} of such cycles, on average, it has no "
+        "request to send and its testers are at work. Testers that took no time would save at most "
+        f"about these: the run that has most of them, {formats.percent(max(testing), 0)}, would be "
+        f"{_without(max(testing))} as fast. "
+        f"No kind of tester is busy in more than {formats.percent(used)} of cycles"
     )
     inside = [results.get(one, "time.shares.rt_time") for one in chosen]
     known = [share for share in inside if share is not None]
@@ -95,7 +102,7 @@ def _losses(timed: Sequence[Result]) -> list[str]:
     """A unit that loses hits skips work: its speed there is not earned."""
     out = []
     for unit in ("aqb8", "a2rt"):
-        chosen = [one for one in results.primary(timed) if measures.pick([one], unit)]
+        chosen = measures.runs_of(results.primary(timed), unit)
         lost = {results.workload_name(one): (results.lost_hits(one) or 0, one) for one in chosen}
         worst = sorted(lost.items(), key=lambda item: -item[1][0])[:4]
         named = [

@@ -18,7 +18,8 @@ MATCH_NOTE = (
     "Tie: same distance, another primitive. Tmin self-hit: the ray starts on the surface it hits. "
     "Edge: within rounding of a triangle's edge. Driver's box loss: lavapipe's own box test at a "
     "box's corner skips the hit. Unknown: the program does not look at this hit, so the capture "
-    "has none. Lost: the unit lost the hit or took another. Other: unexplained."
+    "has none. Lost: none of these, and the unit has no hit, or a farther one. Other: none of "
+    "these, and the unit has a nearer hit."
 )
 
 
@@ -54,40 +55,67 @@ def data_uri(path: Path) -> str:
 
 def tiles(found: Sequence[Result]) -> list[Tile]:
     """The few numbers that a reader should leave with."""
+    a2rt = _called(found, "a2rt", "A²RT")
     out = []
-    main = results.primary(found)
-    lost = [one for one in main if measures.pick([one], "a2rt")]
+    lost = measures.runs_of(results.primary(found), "a2rt")
     counts = [results.lost_hits(one) for one in lost]
     if counts and all(value is not None for value in counts):
-        rays = sum(int(one["workload"]["rays"]) for one in lost)
-        text = f"closest hits lost by A²RT, of {formats.count(rays)} rays"
+        rays = sum(measures.compared_rays(one) for one in lost)
+        text = f"of the driver's hits lost by {a2rt}, on {formats.count(rays)} rays"
         out.append(Tile(formats.count(sum(counts)), text))
-    for unit, title in (("a2rt", "A²RT"), ("aqb8", "AQB8")):
+    for unit, title in (("a2rt", a2rt), ("aqb8", _called(found, "aqb8", "AQB8"))):
         share = measures.mean_ratio(found, unit, "baseline", results.node_bytes)
         if share is not None:
             out.append(Tile(formats.percent(share), f"of the baseline's node bytes, {title}"))
-    speed = measures.MEASURES["speedup_over_baseline"](found)
-    if speed is not None:
-        out.append(Tile(formats.factor(speed), "speed of A²RT against the baseline"))
-        saved = measures.MEASURES["energy_vs_baseline"](found)
-        if saved is not None:
-            out.append(Tile(formats.percent(saved), "of the baseline's energy, A²RT"))
+    return out + _speed_tiles(found, a2rt)
+
+
+def _called(found: Sequence[Result], unit: str, title: str) -> str:
+    """The unit's name, or the label of the variant that stands for it."""
+    return next(iter(measures.variants(found, [unit])), title)
+
+
+def _speed_tiles(found: Sequence[Result], a2rt: str) -> list[Tile]:
+    def mean(among: Sequence[Result], value: Any) -> float | None:
+        return measures.mean_ratio(among, "a2rt", "baseline", value)
+
+    out = []
+    area = measures.main_comparison(found) == results.SAME_AREA
+    text = f"speed of {a2rt} against the baseline" + (", same area of testers" if area else "")
+    text += ", extrapolated" if any(measures.is_sampled(one) for one in found) else ""
+    faithful = measures.without_losses(found, ["a2rt", "baseline"])
+    cycles, energy = mean(found, measures.cycles), mean(found, measures.energy)
+    if cycles:
+        out.append(Tile(formats.factor(1 / cycles), text))
+        kept = mean(faithful, measures.cycles) if len(faithful) < len(found) else None
+        if kept:
+            out.append(Tile(formats.factor(1 / kept), f"{text}, where neither loses a hit"))
+    if energy:
+        out.append(Tile(formats.percent(energy), f"of the baseline's energy, {a2rt}"))
     return out
 
 
 def paper_table(found: Sequence[Result]) -> Table:
     rows = []
     for number in measures.paper_numbers():
+        if not number.ours:
+            continue  # its own figure measures it, on something else than the scenes of a page
         value = measures.ours(number, found)
         mine = formats.of_kind(value, number.kind)
         if value is None:
             mine = "not measured here"
-        rows.append([number.what, number.paper_text(), mine, number.source])
+        rows.append([number.what, number.paper_text(), mine, measures.how(number), number.source])
+    area = measures.main_comparison(found) == results.SAME_AREA
     note = (
-        "The paper's numbers are averages over its own scenes and machine; ours are geometric "
-        "means over the workloads of this page. Nothing is tuned to meet the paper."
+        "The paper's numbers are averages over its own scenes and machine; ours are means over "
+        "the workloads of this page, as each row says: geometric of ratios, arithmetic of shares. "
+        f"All are taken {'in the same area' if area else 'with the same number'} of box testers. "
+        "Nothing is tuned to meet the paper."
     )
-    return Table(["quantity", "paper", "ours", "where in the paper"], rows, note)
+    changed = measures.variants(found, ("baseline", "aqb8", "a2rt"))
+    if changed:
+        note += f" Not the units as configured, but: {', '.join(changed)}."
+    return Table(["quantity", "paper", "ours", "ours is", "where in the paper"], rows, note)
 
 
 def match_table(found: Sequence[Result]) -> Table | None:
@@ -246,7 +274,10 @@ def _workload_section(
         detail,
         Table(tables.ACCURACY_COLUMNS, tables.accuracy_rows(group)),
         [
-            (tables.COMPARISON_WORDS[one], Table(tables.TIME_COLUMNS, tables.time_rows(group, one)))
+            (
+                tables.COMPARISON_WORDS[one],
+                Table(tables.time_columns(group), tables.time_rows(group, one)),
+            )
             for one in tables.comparisons_of(group)
         ],
         workload.get("note", ""),
@@ -327,6 +358,7 @@ def provenance(found: Sequence[Result]) -> Table:
 
 def everything(found: Sequence[Result], folder: Path, effects: dict[str, Any]) -> dict[str, Any]:
     main = results.primary(found)
+    whole = [one for one in main if not measures.is_sampled(one)]
     return {
         "summary": words.summary(found),
         "tiles": tiles(found),
@@ -335,9 +367,11 @@ def everything(found: Sequence[Result], folder: Path, effects: dict[str, Any]) -
         "accuracy": accuracy_table(main),
         "traffic": traffic_chart(main),
         "time": time_spent.sections(found, folder),
-        "energy": parts_chart(main, "energy.by_component", formats.energy, "Energy by part"),
-        "energy_bands": energy_bands(main),
+        "energy": parts_chart(whole, "energy.by_component", formats.energy, "Energy by part"),
+        "energy_bands": energy_bands(whole),
         "samples": sample_table(main),
+        "sampled": words.SAMPLED if len(whole) < len(main) else "",
+        "lost_note": tables.LOST_NOTE,
         "paper": paper_table(found),
         "savings": extras.savings(found, folder, effects),
         "numerics": extras.numerics_link(folder),
