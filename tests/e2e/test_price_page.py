@@ -179,6 +179,18 @@ def test_knobs_and_factorials_share_their_runs(sweep):
     assert sorted(combined) == sorted(MADE_UP)
 
 
+def test_the_report_of_a_sweeps_folder_is_its_price_page(sweep, a2rt, monkeypatch):
+    folder, made_up = sweep
+    page = price_page.write(folder, made_up).read_text(encoding="utf-8")
+    monkeypatch.setattr(plan, "make", lambda one: plan.Plan(one.title, {}, []))
+    plan.write(made_up, folder)
+    made_up.file.unlink()  # the folder keeps what its page needs
+    a2rt.ok("report", folder)
+    assert (folder / "report.html").read_text(encoding="utf-8") == page
+    (folder / plan.EXPERIMENT).unlink()
+    assert "run the same sweep again" in a2rt.refused("report", folder)
+
+
 def test_the_page_needs_nothing_but_itself(sweep):
     page = price_page.write(*sweep)
     text = page.read_text(encoding="utf-8")

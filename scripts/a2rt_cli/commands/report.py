@@ -1,6 +1,7 @@
 """Write the HTML report of a folder of results.
 
-The page is one self-contained file: it works offline, prints well, and holds its pictures.
+The page is one self-contained file: it works offline, prints well, and holds its pictures. A sweep's
+folder gets the page of its price list, any other that of a comparison.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from a2rt_cli.setup.needs import Need
 
 EXAMPLES = """  scripts/a2rt report out/demo
   scripts/a2rt report out/compare -o page.html
+  scripts/a2rt report out/sweep/price-of-accuracy
 """
 NEED = Need.PYTHON
 
@@ -23,8 +25,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from a2rt_cli.paths import shown
-    from a2rt_cli.report import page
+    from a2rt_cli.report import page, price_page
+    from a2rt_cli.sweep import plan
 
-    target = page.write(Path(args.folder), Path(args.output) if args.output else None)
+    folder, target = Path(args.folder), Path(args.output) if args.output else None
+    if plan.is_sweep(folder):
+        target = price_page.write(folder, plan.kept_experiment(folder), target)
+    else:
+        target = page.write(folder, target)
     print(f"Report: {shown(target)}")
     return 0

@@ -94,7 +94,7 @@ def _draw_row(axes, names: Sequence[str], found: Sequence[Result], comparison: s
                 axes.bar(x, share, width * 0.88, bottom=bottom, color=colours[part])
                 bottom += share
             if _loses(groups[name], unit):
-                axes.text(x, 0.02, LOSES, ha="center", va="bottom", color="white", weight="bold")
+                axes.text(x, bottom, LOSES, ha="center", color="#b00020", weight="bold", size=13)
             highest = max(highest, bottom)
     highest = max(highest, _draw_means(axes, len(names), names, found, comparison))
     labels = [name.rsplit("-", 1)[0] for name in names]

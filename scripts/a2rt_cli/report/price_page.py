@@ -156,8 +156,8 @@ def _lead(found: Sequence[results.Result]) -> str:
     )
 
 
-def write(folder: Path, experiment: Experiment) -> Path:
-    """Writes FOLDER/report.html, which needs no other file and no network."""
+def write(folder: Path, experiment: Experiment, target: Path | None = None) -> Path:
+    """Writes `target` (FOLDER/report.html), which needs no other file and no network."""
     raw = results.load(folder)
     if not raw:
         raise UserError(f"{folder}: no finished point", "run the sweep first")
@@ -179,6 +179,6 @@ def write(folder: Path, experiment: Experiment) -> Path:
         provenance=sections.provenance(raw),
         timed=any(row["cycles"] is not None for row in rows),
     )
-    target = folder / "report.html"
+    target = target or folder / "report.html"
     write_text(target, text)
     return target

@@ -58,6 +58,10 @@ class Plan:
         return out
 
 
+# Of a sweep's folder: the experiment as it was run, for its page.
+EXPERIMENT = "experiment.toml"
+
+
 def toml_text(value: Any) -> str:
     """A value as `--set` takes it."""
     if isinstance(value, bool):
@@ -140,8 +144,24 @@ def write(one: Experiment, out: Path) -> Plan:
         name: {"capture": points[0].capture, "points": [point.name for point in points]}
         for name, points in planned.batches().items()
     }
+    write_text(out / EXPERIMENT, one.file.read_text(encoding="utf-8"))
     write_json(out / "plan.json", {**asdict(planned), "batches": batches})
     return planned
+
+
+def is_sweep(folder: Path) -> bool:
+    return (folder / "plan.json").is_file()
+
+
+def kept_experiment(folder: Path) -> Experiment:
+    """The experiment whose points are in a sweep's folder."""
+    kept = folder / EXPERIMENT
+    if not kept.is_file():
+        raise UserError(
+            f"{folder}: a sweep without its {EXPERIMENT}",
+            "run the same sweep again; its finished points are kept",
+        )
+    return load(kept)
 
 
 def unfinished(plan: Plan, out: Path) -> list[Point]:
