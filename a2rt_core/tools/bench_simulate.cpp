@@ -43,10 +43,9 @@ nlohmann::ordered_json bench_unit(const Options& options, const std::string& nam
   UnitChoice choice = choose_unit(name, "", {});
   choice.unit->build(workload);
   const auto table = energy::EnergyTable::from_file(A2RT_ENERGY_FOLDER "/12nm.csv");
-  const std::string unit = choice.unit->info().name;
   timing::MachineConfig machine = choose_gpu(options.gpu, {}).machine;
-  energy::apply_comparison(energy::Comparison::kSameCount, energy::design_of(unit),
-                           unit == "cwbvh" || unit == "clbvh", table, machine);
+  energy::apply_comparison(energy::Comparison::kSameCount, choice.unit->info().testers,
+                           energy::engine_area_um2(table), table, machine);
   timing::UnitSource source(*choice.unit, workload);
   double walk = 0, all = 0;
   timing::SimulationResult result;

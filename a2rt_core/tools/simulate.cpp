@@ -165,16 +165,16 @@ nlohmann::ordered_json config_json(const UnitChoice& unit, const GpuChoice& gpu,
   return json;
 }
 
-// The table as this unit's testers cost.
-energy::EnergyTable table_for(const Options& options, energy::Design design,
-                              const std::string& name, const config::Section& unit) {
-  auto table = energy::EnergyTable::from_file(options.energy_table.empty()
-                                                  ? std::string(A2RT_ENERGY_FOLDER "/12nm.csv")
-                                                  : options.energy_table);
-  if (design != energy::Design::kA2rt) {
-    return table;
-  }
+// The table as the testers of an A2RT of this precision cost.
+energy::EnergyTable a2rt_table(const energy::EnergyTable& table, const std::string& name,
+                               const config::Section& unit) {
   return energy::for_precision(table, rt::read_a2rt_precision(unit, rt::default_origin(name)));
+}
+
+// What "same area" means: the engine of the unit a2rt as configured.
+double yardstick_um2(const energy::EnergyTable& table) {
+  const UnitChoice a2rt = choose_unit("a2rt", "", {});
+  return energy::engine_area_um2(a2rt_table(table, a2rt.unit->info().name, a2rt.section));
 }
 
 nlohmann::ordered_json area_json(const energy::TesterArea& area, energy::Design design,
@@ -182,8 +182,8 @@ nlohmann::ordered_json area_json(const energy::TesterArea& area, energy::Design 
   nlohmann::ordered_json json = {{"box_testers_um2", area.used_um2},
                                  {"reference_um2", area.reference_um2},
                                  {"reached_minimum", area.reached_minimum}};
-  if (design != energy::Design::kFp32) {
-    const bool a2rt = design == energy::Design::kA2rt;
+  const bool a2rt = design == energy::Design::kA2rt;
+  if (a2rt || design == energy::Design::kAqb8) {
     const energy::Row& qbox = table.find(a2rt ? "qbox_a2rt" : "qbox_aqb8", "test");
     json["tester"] = {{"um2", qbox.area_um2},
                       {"pj", qbox.energy_pj},
@@ -212,12 +212,15 @@ int simulate(const Options& options) {
   const Workload workload = read_workload(options.workload, read);
   RtUnit& unit = *choice.unit;
   const std::string name = unit.info().name;
-  const energy::Design design = energy::design_of(name);
-  const energy::EnergyTable table = table_for(options, design, name, choice.section);
+  const energy::Design design = unit.info().testers;
+  const auto published = energy::EnergyTable::from_file(
+      options.energy_table.empty() ? A2RT_ENERGY_FOLDER "/12nm.csv" : options.energy_table);
+  const energy::EnergyTable table =
+      design == energy::Design::kA2rt ? a2rt_table(published, name, choice.section) : published;
   const energy::Comparison comparison = energy::comparison_of(options.comparison);
   timing::MachineConfig machine = gpu.machine;
-  const energy::TesterArea area = energy::apply_comparison(
-      comparison, design, name == "cwbvh" || name == "clbvh", table, machine);
+  const energy::TesterArea area =
+      energy::apply_comparison(comparison, design, yardstick_um2(published), table, machine);
   const Parts called_for = parts_called_for(workload);
   const Parts parts = options.parts == "all" ? Parts::all() : called_for;
   leave_out(parts, machine);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -85,12 +86,12 @@ def is_timed(result: Result) -> bool:
 
 
 def has_area_of_a2rt(result: Result) -> bool:
-    """True if the run's testers take no more area than A2RT's, so that it counts in both."""
+    """True if the run's testers take the area of the configured A2RT's: it counts in both."""
     area, reference = (
         get(result, "area.box_testers_um2"),
         get(result, "area.reference_um2"),
     )
-    return area is not None and reference is not None and area <= reference
+    return area is not None and reference is not None and math.isclose(area, reference)
 
 
 def in_comparison(result: Result, comparison: str) -> bool:
@@ -98,9 +99,7 @@ def in_comparison(result: Result, comparison: str) -> bool:
     made_for = get(result, "gpu.comparison", SAME_COUNT)
     if comparison == SAME_COUNT:
         return made_for != SAME_AREA
-    return made_for == SAME_AREA or (
-        unit_name(result).startswith("a2rt") and has_area_of_a2rt(result)
-    )
+    return made_for == SAME_AREA or has_area_of_a2rt(result)
 
 
 def of_comparison(found: Sequence[Result], comparison: str) -> list[Result]:

@@ -51,6 +51,14 @@ TEST(MachineConfig, a_misspelt_key_is_a_user_error) {
   EXPECT_THROW(load("table1", {"rt.stak_entries=4"}), UserError);
 }
 
+TEST(MachineConfig, what_the_model_cannot_run_is_refused_with_the_range_it_can) {
+  for (const char* bad : {"rt.mhz=1366", "rt.mhz=170", "rt.stack_entry_bytes=33",
+                          "rt.stack_entry_bytes=0", "l1.mshrs=0"}) {
+    EXPECT_THROW(load("table1", {bad}), UserError) << bad;
+  }
+  EXPECT_EQ(load("table1", {"rt.mhz=171"}).rt.mhz, 171u);
+}
+
 TEST(MachineConfig, overrides_reach_the_machine) {
   EXPECT_EQ(load("table1", {"rt.stack_entries=4"}).rt.stack_entries, 4u);
   EXPECT_EQ(load("table1", {"rt.context=refetch"}).rt.context, ContextPolicy::kRefetch);

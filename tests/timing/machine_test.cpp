@@ -87,6 +87,63 @@ TEST(Machine, eight_sms_trace_eight_warps_in_the_time_of_one) {
   EXPECT_EQ(one, Cycles{8 * (31 + 10)} + overhead(config));
 }
 
+// SMs run one after the other for as long as an L2 hit takes; their warps must not show it.
+TEST(Machine, the_sm_that_is_free_first_gets_the_next_warp_however_long_the_stretch) {
+  ScriptedSource source;
+  MachineConfig config = one_sm();
+  config.sm.count = 2;
+  config.sm.warps = 1;
+  config.sm.independent_instructions = 1;
+  for (TesterConfig& t : config.rt.testers) {
+    t.count = 256;
+  }
+  // Three warps in a row: long, short, long.
+  std::vector<Segment> segments;
+  for (std::uint32_t l = 0; l < 96; ++l) {
+    segments.push_back(segment(l, 0, {l / 32 == 1 ? 10u : 100u}));
+  }
+  const Workload w = shaders_only(96, {shader(capture::Stage::kRayGeneration)}, segments);
+  const Cycles both = config.sm.alu_latency * 110 + Cycles{2};
+  for (const std::uint64_t latency : {1, 160, 100'000}) {
+    config.l2.latency = Cycles{latency};
+    EXPECT_EQ(cycles_of(w, source, config), both) << latency;
+  }
+}
+
+TEST(Machine, how_far_the_parts_run_alone_matters_to_the_host_only) {
+  NoisySource source;
+  MachineConfig config;
+  SimulationOptions options;
+  const Workload w = rays_only(4096, 2, 64);
+  const SimulationResult far = simulate(w, source, config, options);
+  options.stretch = Cycles{1};
+  const SimulationResult near = simulate(w, source, config, options);
+  EXPECT_EQ(near.rt.fetch_bytes, far.rt.fetch_bytes);
+  EXPECT_EQ(near.rt.events, far.rt.events);
+  // What reaches a slice in the same cycle from several SMs may be served in another order.
+  EXPECT_NEAR(static_cast<double>(near.cycles.value) / static_cast<double>(far.cycles.value), 1,
+              0.01);
+  EXPECT_NEAR(
+      static_cast<double>(total(near.l2.misses)) / static_cast<double>(total(far.l2.misses)), 1,
+      0.01);
+}
+
+TEST(Machine, a_ray_without_events_does_not_take_the_next_groups_rays_with_it) {
+  ScriptedSource source;
+  source.script[1] = {count_event(EventKind::kTransform)};
+  // Two lanes in two shaders: each traces on its own, the first a ray that ends at once.
+  const Workload w = [] {
+    Workload rays = rays_only(2);
+    rays.shaders = {shader(capture::Stage::kRayGeneration), shader(capture::Stage::kMiss)};
+    rays.segments = {segment(0, 1, {1}, 0), segment(1, 0, {1}, 1)};
+    rays.dispatches[0].segment_count = 2;
+    return rays;
+  }();
+  const SimulationResult r = simulate(w, source, one_sm());
+  EXPECT_EQ(r.rays(), 2u);
+  EXPECT_EQ(source.order, (std::vector<std::uint32_t>{0, 1}));
+}
+
 TEST(Machine, odd_numbers_of_testers_are_spread_evenly) {
   ScriptedSource source;
   MachineConfig config = one_sm();

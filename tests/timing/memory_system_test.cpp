@@ -105,6 +105,49 @@ TEST_F(Memory, a_second_clock_domain_is_converted_exactly) {
   EXPECT_EQ(time(0), hit() + config.dram.extra_latency + Cycles{22});
 }
 
+// Clocks whose edges never meet, and a data bus that is the limit: 2.56 command cycles in a core
+// cycle, a sector every `ccd` of them.
+class OddClocks : public Memory, public ::testing::WithParamInterface<std::uint64_t> {};
+
+TEST_P(OddClocks, a_stream_through_an_open_row_runs_at_the_peak_of_the_bus) {
+  config.core_mhz = config.l2.mhz = 1365;
+  config.dram.mhz = 3500;
+  config.dram.ccd = config.dram.burst = Cycles{GetParam()};
+  config.dram.row = Bytes{1 << 16};
+  config.l2.mshrs = 1000;  // not to be the limit
+  build();
+  time(0);
+  rest();
+  constexpr std::uint64_t kSectors = 500;
+  const std::size_t before = sink->arrived.size();
+  for (std::uint64_t i = 0; i < kSectors; ++i) {
+    read(1024 + i * kSectorBytes);
+  }
+  drain(calendar);
+  const Cycles took = sink->arrived.back().first - sink->arrived[before].first;
+  const double peak = static_cast<double>((kSectors - 1) * GetParam()) * 1365 / 3500;
+  EXPECT_NEAR(static_cast<double>(took.value), peak, 2);
+}
+
+TEST_P(OddClocks, a_lone_access_is_late_by_less_than_a_core_cycle_for_each_crossing) {
+  config.core_mhz = config.l2.mhz = 1365;
+  config.dram.mhz = 3500;
+  config.dram.ccd = config.dram.burst = Cycles{GetParam()};
+  build();
+  const std::uint64_t own = (config.dram.rcd + config.dram.cl + config.dram.burst).value;
+  const double exact = static_cast<double>((hit() + config.dram.extra_latency).value) +
+                       static_cast<double>(own) * 1365 / 3500;
+  for (std::uint64_t i = 0; i < config.dram.banks; ++i) {
+    const auto took = static_cast<double>(time(i * config.dram.row.value).value);
+    EXPECT_GE(took, exact);
+    // Up to the next command edge, and from the data to the next core edge.
+    EXPECT_LT(took, exact + 1365.0 / 3500 + 1);
+    rest();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(ColumnCycles, OddClocks, ::testing::Values(4, 8));
+
 TEST_F(Memory, open_rows_are_served_before_older_conflicts) {
   build();
   time(0);

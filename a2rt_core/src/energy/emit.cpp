@@ -32,26 +32,28 @@ void testers(const SimulationResult& r, Design design, std::vector<Action>& out)
   out.push_back({"dequantizer", "box", tests(Tester::kDequantize)});
 }
 
-// Small memories of the RT unit: a ray's record is read for every step it takes.
+// Small memories of the RT unit: a ray's record is read for every step it takes, those of setting
+// up a refetched context included. What moves between stack or context buffer and memory goes
+// through the buffer once more.
 void rt_buffers(const SimulationResult& r, std::vector<Action>& out) {
   const auto events = [&](EventKind k) { return r.rt.events[static_cast<std::size_t>(k)]; };
   const std::uint64_t full = events(EventKind::kBoxTest) + events(EventKind::kTriangleTest) +
                              events(EventKind::kAnchorTest) + events(EventKind::kQuantizeRay) +
                              events(EventKind::kTransform) + events(EventKind::kRaySetup) +
-                             events(EventKind::kUpdate);
+                             events(EventKind::kUpdate) + r.rt.context_refetch_steps;
   out.push_back({"ray_buffer", "read_fp32", full});
   out.push_back({"ray_buffer", "read_quantized", events(EventKind::kQBoxTest)});
-  out.push_back({"rt_stack", "push", events(EventKind::kPush)});
-  out.push_back({"rt_stack", "pop", events(EventKind::kPop)});
-  out.push_back({"rt_context", "push", events(EventKind::kContextPush)});
-  out.push_back({"rt_context", "pop", events(EventKind::kContextPop)});
+  out.push_back({"rt_stack", "push", r.rt.stack_pushed + r.rt.stack_filled});
+  out.push_back({"rt_stack", "pop", r.rt.stack_popped + r.rt.stack_spilled});
+  out.push_back({"rt_context", "push", r.rt.context_saves + r.rt.context_fills});
+  out.push_back({"rt_context", "pop", r.rt.context_restores + r.rt.context_spills});
 }
 
 void memories(const SimulationResult& r, std::vector<Action>& out) {
-  out.push_back({"l1", "read_sector", sum(r.l1.reads)});
+  out.push_back({"l1", "read_sector", sum(r.l1.reads) + r.l1.written_back});
   out.push_back({"l1", "write_sector", sum(r.l1.writes) + r.l1.fills});
   out.push_back({"crossbar", "sector", r.crossbar_sectors});
-  out.push_back({"l2", "read_sector", sum(r.l2.reads)});
+  out.push_back({"l2", "read_sector", sum(r.l2.reads) + r.l2.written_back});
   out.push_back({"l2", "write_sector", sum(r.l2.writes) + r.l2.fills});
   out.push_back({"dram", "read_sector", r.dram.reads});
   out.push_back({"dram", "write_sector", r.dram.writes});
@@ -79,13 +81,6 @@ std::vector<Action> all_actions(const SimulationResult& result, Design design) {
 }
 
 }  // namespace
-
-Design design_of(const std::string& unit_name) {
-  if (unit_name.starts_with("aqb8")) {
-    return Design::kAqb8;
-  }
-  return unit_name.starts_with("a2rt") ? Design::kA2rt : Design::kFp32;
-}
 
 std::vector<Action> possible_actions() {
   std::vector<Action> all = all_actions({}, Design::kA2rt);
@@ -126,7 +121,8 @@ std::vector<Instances> instances_of(const SimulationResult& result,
   add("transform", Tester::kTransform);
   add("setup", Tester::kSetup);
   add("dequantizer", Tester::kDequantize);
-  if (design != Design::kFp32) {
+  const bool contexts = design == Design::kAqb8 || design == Design::kA2rt;
+  if (contexts && config.rt.context == timing::ContextPolicy::kStack) {
     all.push_back({"rt_context", sms});
   }
   return all;

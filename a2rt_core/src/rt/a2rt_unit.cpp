@@ -24,7 +24,8 @@ bvh::ClassifyConfig read_classification(const config::Section& unit) {
 
 A2rtUnit::A2rtUnit(const config::Section& section, const std::string& name,
                    const std::string& title, arith::OriginDesign origin)
-    : info_{name, title, "A2RT paper, sections III and IV", Promise::kConservative},
+    : info_{name, title, "A2RT paper, sections III and IV", Promise::kConservative,
+            BoxTesters::kA2rt},
       settings_(read_unit_settings(section)),
       classify_(read_classification(section)),
       quantizer_(read_a2rt_precision(section, origin)),

@@ -56,7 +56,7 @@ void DramChannel::place(std::uint32_t index) {
 }
 
 void DramChannel::book(Cycles own) {
-  const Cycles when = std::max(calendar_.now(), clock_.to_core(own));
+  const Cycles when = std::max(calendar_.now(), clock_.core_of(own));
   if (booked_ && booked_at_ <= when) {
     return;
   }
@@ -138,7 +138,7 @@ bool DramChannel::issue_column(Cycles own) {
     return false;
   }
   last_was_write_ = request.write;
-  bus_ready_ = own + config_.ccd;
+  bus_ready_ = own + std::max(config_.ccd, config_.burst);
   counts_.busy_cycles += config_.burst.value;
   ++(request.needed_precharge  ? counts_.row_conflicts
      : request.needed_activate ? counts_.row_misses

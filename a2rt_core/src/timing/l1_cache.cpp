@@ -17,6 +17,16 @@ SectorMask lowest(SectorMask mask, std::uint32_t n) {
   return kept;
 }
 
+// When a message of sectors that follow each other a cycle apart can leave: none goes before its
+// own time.
+Cycles departure(SectorMask sectors, const SectorTimes& ready) {
+  Cycles leaves;
+  std::uint64_t position = 0;
+  for_each_sector(
+      sectors, [&](std::uint32_t s) { leaves = std::max(leaves, ready[s] - Cycles{position++}); });
+  return leaves;
+}
+
 }  // namespace
 
 L1Cache::L1Cache(const L1Config& config, LowerLevel& lower, std::uint32_t sm)
@@ -124,8 +134,7 @@ L1Cache::Lookup L1Cache::read(Cycles now, Port& port, Address line, SectorMask s
     add_waiter(pending_[index], {&client, token, kNil, result.ready[last], taken});
   }
   if (const auto fresh = static_cast<SectorMask>(taken & ~known); fresh != 0) {
-    const auto first = static_cast<std::size_t>(std::countr_zero(fresh));
-    lower_.request(result.ready[first], sm_, line, fresh, kind, false);
+    lower_.request(departure(fresh, result.ready), sm_, line, fresh, kind, false);
   }
   return result;
 }
@@ -174,8 +183,7 @@ void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Tr
     insert(now, line, sectors, kind, true);
   } else {
     // Valid copies take the new data on the way down, so their state does not change.
-    lower_.request(sent.ready[static_cast<std::size_t>(std::countr_zero(sectors))], sm_, line,
-                   sectors, kind, true);
+    lower_.request(departure(sectors, sent.ready), sm_, line, sectors, kind, true);
   }
 }
 

@@ -1,11 +1,13 @@
 #include "a2rt/timing/machine_config.h"
 
 #include "a2rt/config/section.h"
+#include "a2rt/timing/tag_store.h"
 
 namespace a2rt::timing {
 namespace {
 
 constexpr std::int64_t kMany = 1'000'000;
+constexpr std::int64_t kSlowestRt = 8;  // of the core's clock
 
 // Typed readers: the struct's present value is the default.
 class Reader {
@@ -13,7 +15,13 @@ class Reader {
   explicit Reader(config::Section section) : section_(std::move(section)) {}
   void operator()(std::uint32_t& v, const char* key, std::int64_t least, const char* unit,
                   const char* sentence) const {
-    v = static_cast<std::uint32_t>(section_.integer(key, v, least, kMany, unit, sentence));
+    within(v, key, least, kMany, unit, sentence);
+  }
+  template <class Value>
+  void within(Value& v, const char* key, std::int64_t least, std::int64_t most, const char* unit,
+              const char* sentence) const {
+    v = static_cast<Value>(
+        section_.integer(key, static_cast<std::int64_t>(v), least, most, unit, sentence));
   }
   void operator()(std::uint64_t& v, const char* key, std::int64_t least, const char* unit,
                   const char* sentence) const {
@@ -100,12 +108,16 @@ void read_testers(RtConfig& c, const config::Section& section) {
   }
 }
 
-void read_rt(RtConfig& c, const Reader& r) {
-  r(c.mhz, "mhz", 1, "MHz", "RT unit clock");
+void read_rt(RtConfig& c, const Reader& r, std::uint64_t core_mhz) {
+  // Time is counted in core cycles, and a port looks no further ahead than its bank calendar.
+  const auto core = static_cast<std::int64_t>(core_mhz);
+  r.within(c.mhz, "mhz", (core + kSlowestRt - 1) / kSlowestRt, core, "MHz",
+           "RT unit clock: at most the core's, at least an eighth of it");
   r(c.warps, "warps", 1, "warps", "places in the RT unit's warp buffer");
   r(c.port_sectors, "port_sectors", 1, "sectors", "through the RT unit's L1 port per RT cycle");
   r(c.stack_entries, "stack_entries", 0, "entries", "on-chip stack per ray; 0 = unlimited");
-  r(c.stack_entry_bytes, "stack_entry_bytes", 1, "bytes", "of a stack entry when spilled");
+  r.within(c.stack_entry_bytes, "stack_entry_bytes", 1, kSectorBytes, "bytes",
+           "of a stack entry when spilled; a sector holds at least one");
   r(c.context_entries, "context_entries", 0, "contexts",
     "group or cluster contexts kept on chip per ray; 0 = unlimited");
   r(c.context_bytes, "context_bytes", 1, "bytes", "of a context when spilled");
@@ -172,7 +184,7 @@ MachineConfig MachineConfig::from_section(const config::Section& section) {
   read_l1(c.l1, Reader(section.table("l1")));
   read_l2(c.l2, Reader(section.table("l2")));
   read_dram(c.dram, Reader(section.table("dram")));
-  read_rt(c.rt, Reader(section.table("rt")));
+  read_rt(c.rt, Reader(section.table("rt")), c.core_mhz);
   return c;
 }
 

@@ -11,7 +11,7 @@ MemorySystem::MemorySystem(const MachineConfig& config, Calendar& calendar, Cale
       l2_clock_(config.l2.mhz, config.core_mhz),
       sinks_(config.sm.count),
       sm_calendars_(config.sm.count),
-      sm_out_free_(config.sm.count),
+      sm_out_(config.sm.count),
       sm_in_free_(config.sm.count) {
   const std::uint32_t slices = config.l2.channels * config.l2.slices_per_channel;
   for (std::uint32_t i = 0; i < slices; ++i) {
@@ -65,8 +65,7 @@ void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address line, Sector
                       sectors, write,
                       {}};
   slices_[chunk % slices_.size()].tags.prefetch(Address{requests_[index].local});
-  const Cycles sent = std::max(leaves, sm_out_free_[sm]);
-  sm_out_free_[sm] = sent + Cycles{sectors_in(sectors)};
+  const Cycles sent = sm_out_[sm].take(sm_calendars_[sm]->now(), leaves, sectors_in(sectors));
   crossbar_sectors_ += write ? sectors_in(sectors) : 0;
   calendar_.at(sent + config_.l2.crossbar_latency, *this, kAtSlice, index);
 }
@@ -74,6 +73,10 @@ void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address line, Sector
 void MemorySystem::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
   if (what == kAtSm) {
     deliver(now, value);
+    return;
+  }
+  if (what == kIntoSm) {
+    enter_sm(now, value);
     return;
   }
   calendar_.progress();
@@ -106,15 +109,37 @@ void MemorySystem::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
 
 void MemorySystem::deliver(Cycles now, std::uint32_t index) {
   const Request& r = requests_[index];
+  const Cycles first = std::max(now, sm_in_free_[r.sm]);
+  sm_in_free_[r.sm] = first + Cycles{sectors_in(r.sectors)};
+  if (first == now) {
+    enter_sm(now, index);
+  } else {
+    sm_calendars_[r.sm]->at(first, *this, kIntoSm, index);
+  }
+}
+
+void MemorySystem::enter_sm(Cycles now, std::uint32_t index) {
+  const Request& r = requests_[index];
   const std::uint32_t sm = r.sm;
   const Address line = r.line;
   const SectorMask sectors = r.sectors;
   release(index);
   sm_calendars_[sm]->progress();
-  const Cycles first = std::max(now, sm_in_free_[sm]);
-  sm_in_free_[sm] = first + Cycles{sectors_in(sectors)};
   crossbar_sectors_ += sectors_in(sectors);
-  sinks_[sm]->fill(now, first, line, sectors);
+  sinks_[sm]->fill(now, now, line, sectors);
+}
+
+// L2 cycle in which the first of so many sectors is looked up; the others follow one by one.
+Cycles MemorySystem::look_up(Cycles now, Slice& slice, std::uint32_t sectors) {
+  const Cycles start = std::max(l2_clock_.from_core(now), slice.lookup_free);
+  slice.lookup_free = start + Cycles{sectors};
+  slice_busy_ += sectors;
+  return start;
+}
+
+// Core cycle in which the sector at `position` of a message comes out of the slice's pipe.
+Cycles MemorySystem::core_time(Cycles start, std::uint32_t position) const {
+  return l2_clock_.to_core(start + Cycles{position}) + config_.l2.latency;
 }
 
 // The slice serves in order of arrival, so the outcome is known now and its time can be told.
@@ -122,9 +147,7 @@ void MemorySystem::at_slice(Cycles now, std::uint32_t index) {
   Request& r = requests_[index];
   Slice& slice = slices_[r.slice];
   const std::uint32_t n = sectors_in(r.sectors);
-  const Cycles start = std::max(l2_clock_.from_core(now), slice.lookup_free);
-  slice.lookup_free = start + Cycles{n};
-  slice_busy_ += n;
+  const Cycles start = look_up(now, slice, n);
   const auto kind = static_cast<std::size_t>(r.kind);
   if (r.write) {
     l2_counts_.writes[kind] += n;
@@ -133,43 +156,41 @@ void MemorySystem::at_slice(Cycles now, std::uint32_t index) {
     return;
   }
   l2_counts_.reads[kind] += n;
-  const SectorMask hits = slice.tags.touch(Address{r.local}, r.sectors);
-  l2_counts_.hits[kind] += sectors_in(hits);
-  const Cycles core = l2_clock_.to_core(start);
-  if (hits != r.sectors) {
-    split(now, core, index, hits);
-  } else {
-    respond(now, core + config_.l2.latency, index);
-  }
+  split(start, index, slice.tags.touch(Address{r.local}, r.sectors));
 }
 
-// Hits go back together; every missing sector becomes a request of its own.
-void MemorySystem::split(Cycles now, Cycles start, std::uint32_t index, SectorMask hits) {
+// Hits go back together, none before its own time; every missing sector becomes a request of its
+// own.
+void MemorySystem::split(Cycles start, std::uint32_t index, SectorMask hits) {
   const Request whole = requests_[index];
-  if (hits != 0) {
-    requests_[index].sectors = hits;
-    respond(now, start + config_.l2.latency, index);
-  } else {
-    release(index);
-  }
-  std::uint64_t position = 0;
+  l2_counts_.hits[static_cast<std::size_t>(whole.kind)] += sectors_in(hits);
+  std::uint32_t position = 0, hit = 0;
+  Cycles hits_ready;
   for_each_sector(whole.sectors, [&](std::uint32_t s) {
-    const Cycles own_start = start + Cycles{position++};
+    const Cycles own = core_time(start, position++);
     if (hits >> s & 1) {
+      hits_ready = std::max(hits_ready, own - Cycles{hit++});
       return;
     }
     const std::uint32_t part = allocate();
     requests_[part] = whole;
     requests_[part].sectors = static_cast<SectorMask>(1u << s);
     requests_[part].local = whole.local + s * kSectorBytes;
-    miss(own_start, part);
+    miss(own, part, false);
   });
+  if (hits != 0) {
+    requests_[index].sectors = hits;
+    respond(hits_ready, index);
+  } else {
+    release(index);
+  }
 }
 
-void MemorySystem::miss(Cycles start, std::uint32_t index) {
+// `waited`: a miss that had its turn in the queue for an MSHR.
+void MemorySystem::miss(Cycles looked_up, std::uint32_t index, bool waited) {
   Request& r = requests_[index];
   Slice& slice = slices_[r.slice];
-  r.looked_up = start + config_.l2.latency;
+  r.looked_up = looked_up;
   const auto kind = static_cast<std::size_t>(r.kind);
   std::uint32_t& head = slice.mshrs[bucket(r.local)];
   for (std::uint32_t i = head; i != kNil; i = requests_[i].next) {
@@ -183,9 +204,9 @@ void MemorySystem::miss(Cycles start, std::uint32_t index) {
       return;
     }
   }
-  if (slice.mshrs_used == config_.l2.mshrs) {
-    ++l2_counts_.mshr_full;
-    slice.blocked.push_back(index);
+  if (slice.mshrs_used == config_.l2.mshrs || (!waited && !slice.blocked.empty())) {
+    l2_counts_.mshr_full += waited ? 0 : 1;
+    waited ? slice.blocked.push_front(index) : slice.blocked.push_back(index);
     return;
   }
   ++l2_counts_.misses[kind];
@@ -195,15 +216,16 @@ void MemorySystem::miss(Cycles start, std::uint32_t index) {
   dram_calendar_.at(r.looked_up + config_.dram.extra_latency, *this, kAtDram, index);
 }
 
-// A miss that had waited for an MSHR; its sector may have come meanwhile.
+// A miss that had waited for an MSHR is looked up again; its sector may have come meanwhile.
 void MemorySystem::look_again(Cycles now, std::uint32_t index) {
   const Request& r = requests_[index];
   Slice& slice = slices_[r.slice];
+  const Cycles ready = core_time(look_up(now, slice, 1), 0);
   if (slice.tags.touch(Address{r.local}, r.sectors) != 0) {
     ++l2_counts_.hits[static_cast<std::size_t>(r.kind)];
-    respond(now, now + config_.l2.latency, index);
+    respond(ready, index);
   } else {
-    miss(now, index);
+    miss(ready, index, true);
   }
   // A request that had waited for an MSHR and then needed none leaves it to the next.
   if (slice.mshrs_used < config_.l2.mshrs && !slice.blocked.empty()) {
@@ -211,9 +233,10 @@ void MemorySystem::look_again(Cycles now, std::uint32_t index) {
   }
 }
 
-void MemorySystem::respond(Cycles now, Cycles ready, std::uint32_t index) {
+void MemorySystem::respond(Cycles ready, std::uint32_t index) {
   const Request& r = requests_[index];
-  const Cycles sent = slices_[r.slice].out.take(now, ready, sectors_in(r.sectors));
+  // The slices' time: DRAM is ahead of it, and the slices will still ask for cycles from it on.
+  const Cycles sent = slices_[r.slice].out.take(calendar_.now(), ready, sectors_in(r.sectors));
   sm_calendars_[r.sm]->at(sent + config_.l2.crossbar_latency, *this, kAtSm, index);
 }
 
@@ -250,7 +273,7 @@ std::uint64_t MemorySystem::channel_local(std::uint32_t slice, std::uint64_t loc
 void MemorySystem::dram_done(Cycles now, std::uint32_t tag) {
   const std::uint32_t first = allocate();
   requests_[first] = requests_[tag];
-  respond(now, now, first);
+  respond(now, first);
   answer_merged(now, tag);
   calendar_.at(now, *this, kFill, tag);
 }
@@ -261,7 +284,7 @@ void MemorySystem::answer_merged(Cycles now, std::uint32_t index) {
   merged_[index] = kNil;
   while (i != kNil) {
     const std::uint32_t next = merged_[i];
-    respond(now, std::max(now, requests_[i].looked_up), i);
+    respond(std::max(now, requests_[i].looked_up), i);
     i = next;
   }
 }

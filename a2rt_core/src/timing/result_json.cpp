@@ -101,23 +101,25 @@ Json testers_json(const SimulationResult& r, const MachineConfig& config) {
 
 Json utilisation_json(const SimulationResult& r, const MachineConfig& config) {
   const double cycles = static_cast<double>(r.cycles.value);
-  const double dram_cycles =
-      cycles * static_cast<double>(config.dram.mhz) / static_cast<double>(config.core_mhz);
+  const auto cycles_of = [&](std::uint64_t mhz) {
+    return cycles * static_cast<double>(mhz) / static_cast<double>(config.core_mhz);
+  };
   Json json;
   const Json testers = testers_json(r, config);
   for (auto tester = testers.begin(); tester != testers.end(); ++tester) {
     json[tester.key()] = tester.value().at("utilisation");
   }
   json["rt_port"] = ratio(static_cast<double>(r.rt.sectors_sent + r.rt.stores_sent),
-                          cycles * config.sm.count * config.rt.port_sectors);
+                          cycles_of(config.rt.mhz) * config.sm.count * config.rt.port_sectors);
   json["lsu_port"] = ratio(static_cast<double>(r.sm.lsu_sectors),
                            cycles * config.sm.count * config.sm.lsu_sectors_per_cycle);
   json["l1_banks"] = ratio(static_cast<double>(sum(r.l1.reads) + sum(r.l1.writes)),
                            cycles * config.sm.count * config.l1.banks);
-  json["l2_slices"] = ratio(static_cast<double>(sum(r.l2.reads) + sum(r.l2.writes)),
-                            cycles * config.l2.channels * config.l2.slices_per_channel);
-  json["dram_bus"] =
-      ratio(static_cast<double>(r.dram.busy_cycles), dram_cycles * config.l2.channels);
+  json["l2_slices"] =
+      ratio(static_cast<double>(sum(r.l2.reads) + sum(r.l2.writes)),
+            cycles_of(config.l2.mhz) * config.l2.channels * config.l2.slices_per_channel);
+  json["dram_bus"] = ratio(static_cast<double>(r.dram.busy_cycles),
+                           cycles_of(config.dram.mhz) * config.l2.channels);
   json["schedulers"] = ratio(static_cast<double>(r.sm.instructions()),
                              cycles * config.sm.count * config.sm.schedulers);
   return json;

@@ -62,7 +62,7 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
   }
 }
 
-void RtEngine::accept(Cycles now, std::uint32_t warp, const LaneRays& rays) {
+void RtEngine::accept(Cycles now, std::uint32_t warp, LaneRays rays) {
   A2RT_CHECK(has_room(), "the RT unit was given a warp without having room");
   account(now);
   std::uint32_t index = 0;
@@ -182,12 +182,17 @@ Cycles RtEngine::run_tests(Cycles now, Cycles at, Lane& lane, const std::vector<
       }
     } else if (event->kind == EventKind::kPop && event->count <= lane.stack) {
       lane.stack -= event->count;
+      counts_.stack_popped += event->count;
       ++counts_.events[static_cast<std::size_t>(EventKind::kPop)];
     } else if (event->kind == EventKind::kPush &&
                (config_.rt.stack_entries == 0 ||
                 lane.stack + event->count <= config_.rt.stack_entries)) {
       lane.stack += event->count;
+      counts_.stack_pushed += event->count;
       ++counts_.events[static_cast<std::size_t>(EventKind::kPush)];
+    } else if (event->kind == EventKind::kContextPop && event->count == 0) {
+      A2RT_CHECK(lane.context + lane.context_spilled > 0, "a ray forgets a context it never saved");
+      --(lane.context > 0 ? lane.context : lane.context_spilled);
     } else {
       break;
     }

@@ -141,6 +141,7 @@ void RtEngine::push(Cycles now, std::uint32_t slot, std::uint32_t l, std::uint32
   const std::uint32_t bytes = config_.rt.stack_entry_bytes;
   const auto per_sector = static_cast<std::uint32_t>(kSectorBytes) / bytes;
   lane.stack += count;
+  counts_.stack_pushed += count;
   while (limit > 0 && lane.stack > limit) {
     const std::uint32_t moved = std::min(per_sector, lane.stack);
     store(now, stack_address(slot, l, lane.stack_spilled, bytes, kStackArea), moved * bytes,
@@ -148,12 +149,14 @@ void RtEngine::push(Cycles now, std::uint32_t slot, std::uint32_t l, std::uint32
     lane.stack -= moved;
     lane.stack_spilled += moved;
     ++counts_.stack_spills;
+    counts_.stack_spilled += moved;
   }
 }
 
 bool RtEngine::pop(Cycles now, std::uint32_t slot, std::uint32_t l, std::uint32_t count) {
   Lane& lane = slots_[slot]->lanes[l];
   A2RT_CHECK(count <= lane.stack + lane.stack_spilled, "a ray pops more than it pushed");
+  counts_.stack_popped += count;
   if (lane.stack >= count) {
     lane.stack -= count;
     return false;
@@ -166,6 +169,7 @@ bool RtEngine::pop(Cycles now, std::uint32_t slot, std::uint32_t l, std::uint32_
   lane.stack_spilled -= moved;
   lane.stack = lane.stack + moved - count;
   counts_.stack_fills += (moved + per_sector - 1) / per_sector;
+  counts_.stack_filled += moved;
   return fetch(now, slot, l, stack_address(slot, l, lane.stack_spilled, bytes, kStackArea),
                moved * bytes, Traffic::kStack);
 }
@@ -173,8 +177,12 @@ bool RtEngine::pop(Cycles now, std::uint32_t slot, std::uint32_t l, std::uint32_
 void RtEngine::push_context(Cycles now, std::uint32_t slot, std::uint32_t l) {
   Lane& lane = slots_[slot]->lanes[l];
   ++lane.context;
+  if (config_.rt.context == ContextPolicy::kRefetch) {
+    return;
+  }
+  ++counts_.context_saves;
   const std::uint32_t limit = config_.rt.context_entries;
-  if (config_.rt.context == ContextPolicy::kRefetch || limit == 0 || lane.context <= limit) {
+  if (limit == 0 || lane.context <= limit) {
     return;
   }
   const std::uint32_t bytes = config_.rt.context_bytes;
@@ -191,15 +199,16 @@ bool RtEngine::pop_context(Cycles now, std::uint32_t slot, std::uint32_t l, cons
   if (config_.rt.context == ContextPolicy::kRefetch) {
     --lane.context;
     ++counts_.context_refetches;
-    const bool anchors = pools_[static_cast<std::size_t>(Tester::kAnchor)].exists();
-    if (anchors) {
+    if (event.traffic == Traffic::kAnchor) {
       follow(lane, {Tester::kAnchor, 1}, {});
+      ++counts_.context_refetch_steps;
     } else {
       follow(lane, {Tester::kBox, 1}, {Tester::kQuantizer, 1});
+      counts_.context_refetch_steps += 2;
     }
-    return fetch(now, slot, l, Address{event.address}, event.bytes,
-                 anchors ? Traffic::kAnchor : Traffic::kGroupNode);
+    return fetch(now, slot, l, Address{event.address}, event.bytes, event.traffic);
   }
+  ++counts_.context_restores;
   if (lane.context > 0) {
     --lane.context;
     return false;

@@ -10,9 +10,11 @@ namespace {
 
 class Machine final : public SmHost {
  public:
-  Machine(const Workload& workload, RaySource& source, const MachineConfig& config)
+  Machine(const Workload& workload, RaySource& source, const MachineConfig& config, Cycles stretch)
       : workload_(workload),
         config_(config),
+        stretch_(stretch > Cycles{0} ? std::min(stretch, MemorySystem::stretch(config))
+                                     : MemorySystem::stretch(config)),
         addresses_(workload, config),
         memory_(config, slice_calendar_, dram_calendar_) {
     for (std::uint32_t i = 0; i < config.sm.count; ++i) {
@@ -30,6 +32,8 @@ class Machine final : public SmHost {
  private:
   void run_dispatch();
   void run(Calendar& calendar, Cycles end);
+  void run_sm(std::size_t index, Cycles end);
+  void run_sms(Cycles end);
   bool next_cycle(Cycles& next) const;
   Cycles last_progress() const;
   void check_progress() const;
@@ -42,6 +46,7 @@ class Machine final : public SmHost {
 
   const Workload& workload_;
   MachineConfig config_;
+  Cycles stretch_;
   // One calendar per SM and two for the memory below: what goes from one to another takes at least
   // MemorySystem::stretch(), so each runs that far alone while its state is in the host's caches.
   std::vector<std::unique_ptr<Calendar>> calendars_;
@@ -55,9 +60,7 @@ class Machine final : public SmHost {
   const std::vector<WarpPlace>* places_ = nullptr;
   std::vector<std::uint32_t> queue_;  // warp numbers of the current dispatch
   std::size_t queue_next_ = 0;
-  std::uint64_t launched_ = 0, retired_ = 0, total_ = 0;
-  Cycles last_launch_;
-  std::uint64_t resident_then_ = 0;  // warps, when the last one was launched
+  std::uint64_t retired_ = 0, total_ = 0;
   std::vector<std::uint64_t> launch_base_;
   SimulationResult result_;
 };
@@ -71,8 +74,6 @@ bool Machine::next_warp(NewWarp& warp) {
   warp.program = WarpProgram(workload_, *program_, place.first_launch, place.count);
   warp.number = number;
   warp.width = workload_.dispatches[place.dispatch].width;
-  last_launch_ = std::max(last_launch_, now_);
-  resident_then_ = ++launched_ - retired_;
   return true;
 }
 
@@ -105,6 +106,12 @@ bool Machine::next_cycle(Cycles& next) const {
       any = true;
     }
   };
+  for (const auto& sm : sms_) {
+    if (sm->turn() != Sm::kNoTurn) {
+      next = any ? std::min(next, sm->turn()) : sm->turn();
+      any = true;
+    }
+  }
   look(dram_calendar_);
   look(slice_calendar_);
   for (const auto& calendar : calendars_) {
@@ -131,8 +138,35 @@ void Machine::check_progress() const {
 }
 
 void Machine::run(Calendar& calendar, Cycles end) {
-  calendar.run_before(end);
+  calendar.run_before([end] { return end; });
   end_ = std::max(end_, calendar.now());
+}
+
+void Machine::run_sm(std::size_t index, Cycles end) {
+  const Sm& sm = *sms_[index];
+  calendars_[index]->run_before([&] { return std::min(end, sm.turn()); });
+  end_ = std::max(end_, calendars_[index]->now());
+}
+
+// Every SM runs to the end of the stretch, or to where it takes a warp. Warps go to the SMs in the
+// order in which they ask, so the one that asks first goes on first.
+void Machine::run_sms(Cycles end) {
+  for (std::size_t i = 0; i < sms_.size(); ++i) {
+    run_sm(i, end);
+  }
+  while (true) {
+    const auto first = std::min_element(sms_.begin(), sms_.end(), [](const auto& a, const auto& b) {
+      return a->turn() < b->turn();
+    });
+    const Cycles at = (*first)->turn();
+    if (at >= end) {
+      return;
+    }
+    const auto index = static_cast<std::size_t>(first - sms_.begin());
+    calendars_[index]->move_to(at);
+    (*first)->take_turn(at);
+    run_sm(index, end);
+  }
 }
 
 void Machine::run_dispatch() {
@@ -148,19 +182,16 @@ void Machine::run_dispatch() {
   }
   while (next_cycle(now_)) {
     check_progress();
-    const Cycles end = now_ + MemorySystem::stretch(config_);
+    const Cycles end = now_ + stretch_;
     run(dram_calendar_, end);
-    for (const auto& calendar : calendars_) {
-      run(*calendar, end);
-    }
+    run_sms(end);
     run(slice_calendar_, end);
   }
   A2RT_CHECK(queue_next_ == queue_.size() &&
                  std::all_of(sms_.begin(), sms_.end(), [](const auto& sm) { return sm->idle(); }),
              "nothing is left to happen, yet warps are not done; state of the machine:\n" + dump());
-  result_.dispatches.push_back({end_ - start, result_.ray_cycles.count() - rays_before,
-                                queue_.size(), std::max(last_launch_, start) - start,
-                                resident_then_});
+  result_.dispatches.push_back(
+      {end_ - start, result_.ray_cycles.count() - rays_before, queue_.size()});
 }
 
 SimulationResult Machine::run(const std::vector<WarpPlace>& places,
@@ -236,6 +267,13 @@ void add_rt(RtCounts& to, const RtCounts& from) {
   to.context_spills += from.context_spills;
   to.context_fills += from.context_fills;
   to.context_refetches += from.context_refetches;
+  to.context_refetch_steps += from.context_refetch_steps;
+  to.context_saves += from.context_saves;
+  to.context_restores += from.context_restores;
+  to.stack_pushed += from.stack_pushed;
+  to.stack_popped += from.stack_popped;
+  to.stack_spilled += from.stack_spilled;
+  to.stack_filled += from.stack_filled;
   to.round_trips += from.round_trips;
   to.candidates += from.candidates;
   to.warp_cycles += from.warp_cycles;
@@ -382,7 +420,7 @@ SimulationResult simulate(const Workload& workload, RaySource& source, const Mac
                       std::to_string(places.size()));
     }
   }
-  Machine machine(workload, source, config);
+  Machine machine(workload, source, config, options.stretch);
   SimulationResult result = machine.run(places, chosen, options.progress);
   result.host_seconds = thread_seconds() - began;
   return result;

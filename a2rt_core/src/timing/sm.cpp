@@ -68,7 +68,12 @@ void Sm::retire(Cycles now, std::uint32_t slot) {
   --resident_;
   counts_.warp_cycles += now.value - warp.launched.value;
   host_.warp_retired(index_, warp.number, now - warp.launched);
-  calendar_.at(now + Cycles{1}, *this, kResume);
+  turns_.push_back(now + Cycles{1});
+}
+
+void Sm::take_turn(Cycles now) {
+  turns_.pop_front();
+  launch(now);
 }
 
 void Sm::set_state(Cycles now, std::uint32_t slot, State state) {
@@ -207,9 +212,6 @@ void Sm::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
       make_ready(now, value, now);
       return;
     }
-    case kResume:
-      launch(now);
-      return;
     default:
       A2RT_CHECK(false, "unknown appointment of the SM");
   }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "a2rt/base/error.h"
+#include "a2rt/energy/qbox_area.h"
 
 namespace a2rt::energy {
 namespace {
@@ -13,8 +14,8 @@ using timing::Tester;
 struct FairTesters : ::testing::Test {
   EnergyTable table = EnergyTable::from_file(A2RT_ENERGY_FOLDER "/12nm.csv");
   timing::MachineConfig machine;
-  TesterArea apply(Comparison c, Design d, bool dequantizes = false) {
-    return apply_comparison(c, d, dequantizes, table, machine);
+  TesterArea apply(Comparison c, Design d) {
+    return apply_comparison(c, d, engine_area_um2(table), table, machine);
   }
   std::uint32_t count(Tester t) const { return machine.rt.tester(t).count; }
 };
@@ -47,18 +48,41 @@ TEST_F(FairTesters, same_area_is_filled_but_not_exceeded) {
   EXPECT_EQ(count(Tester::kUpdate), 15u);
 }
 
+TEST_F(FairTesters, all_designs_fill_the_area_of_the_a2rt_as_configured_and_no_other) {
+  arith::A2rtPrecision wide = published_precision();
+  wide.origin = arith::OriginDesign::kWide;
+  const EnergyTable scaled = for_precision(table, wide);
+  const double yardstick = engine_area_um2(scaled);
+  ASSERT_GT(yardstick, engine_area_um2(table));
+  const TesterArea a2rt =
+      apply_comparison(Comparison::kSameArea, Design::kA2rt, yardstick, scaled, machine);
+  EXPECT_EQ(count(Tester::kQBox), 120u);
+  EXPECT_DOUBLE_EQ(a2rt.used_um2, yardstick);
+  for (const Design other : {Design::kFp32, Design::kCompressed, Design::kAqb8}) {
+    const TesterArea area =
+        apply_comparison(Comparison::kSameArea, other, yardstick, table, machine);
+    EXPECT_LE(area.used_um2, yardstick);
+    EXPECT_GT(area.used_um2 + table.area_um2("box") + table.area_um2("dequantizer"), yardstick);
+  }
+  // A cheaper A2RT gets more testers for the same area.
+  apply_comparison(Comparison::kSameArea, Design::kA2rt, yardstick, table, machine);
+  EXPECT_GT(count(Tester::kQBox), 120u);
+}
+
 TEST_F(FairTesters, compressed_fp32_designs_pay_for_their_dequantizers) {
-  apply(Comparison::kSameArea, Design::kFp32, false);
+  apply(Comparison::kSameArea, Design::kFp32);
   const std::uint32_t plain = count(Tester::kBox);
-  apply(Comparison::kSameArea, Design::kFp32, true);
+  apply(Comparison::kSameArea, Design::kCompressed);
   EXPECT_LT(count(Tester::kBox), plain);
   EXPECT_EQ(count(Tester::kDequantize), count(Tester::kBox));
 }
 
 TEST_F(FairTesters, config_leaves_the_machine_as_it_is) {
   machine.rt.tester(Tester::kBox).count = 77;
-  apply(Comparison::kConfig, Design::kFp32);
+  const TesterArea area = apply(Comparison::kConfig, Design::kFp32);
   EXPECT_EQ(count(Tester::kBox), 77u);
+  // The machine's other testers are not the design's.
+  EXPECT_DOUBLE_EQ(area.used_um2, 77 * table.area_um2("box"));
 }
 
 TEST_F(FairTesters, an_unknown_comparison_is_a_user_error) {

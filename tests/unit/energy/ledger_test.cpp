@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "a2rt/base/error.h"
@@ -65,6 +66,55 @@ TEST(Ledger, testers_that_did_nothing_do_not_leak) {
     boxes += i.component == "box" ? i.count : 0;
   }
   EXPECT_EQ(boxes, 135u);
+}
+
+std::uint64_t count_of(const std::vector<Action>& actions, const std::string& component,
+                       const std::string& action) {
+  std::uint64_t count = 0;
+  for (const Action& a : actions) {
+    count += a.component == component && a.action == action ? a.count : 0;
+  }
+  return count;
+}
+
+TEST(Ledger, contexts_that_are_fetched_again_cost_no_context_buffer) {
+  timing::SimulationResult r;
+  r.rt.events[static_cast<std::size_t>(EventKind::kContextPush)] = 9;
+  r.rt.context_refetches = 9;
+  r.rt.context_refetch_steps = 18;
+  const std::vector<Action> actions = actions_of(r, Design::kA2rt);
+  EXPECT_EQ(count_of(actions, "rt_context", "push"), 0u);
+  EXPECT_EQ(count_of(actions, "ray_buffer", "read_fp32"), 18u);
+  timing::MachineConfig machine;
+  const auto has_buffer = [&] {
+    const auto all = instances_of(r, machine, Design::kA2rt);
+    return std::any_of(all.begin(), all.end(),
+                       [](const Instances& i) { return i.component == "rt_context"; });
+  };
+  EXPECT_TRUE(has_buffer());
+  machine.rt.context = timing::ContextPolicy::kRefetch;
+  EXPECT_FALSE(has_buffer());
+}
+
+TEST(Ledger, stack_energy_counts_entries_and_what_moves_between_stack_and_memory) {
+  timing::SimulationResult r;
+  r.rt.events[static_cast<std::size_t>(EventKind::kPush)] = 1;
+  r.rt.stack_pushed = 5;
+  r.rt.stack_popped = 4;
+  r.rt.stack_spilled = 2;
+  r.rt.stack_filled = 3;
+  const std::vector<Action> actions = actions_of(r, Design::kFp32);
+  EXPECT_EQ(count_of(actions, "rt_stack", "push"), 8u);
+  EXPECT_EQ(count_of(actions, "rt_stack", "pop"), 6u);
+}
+
+TEST(Ledger, what_a_cache_writes_back_is_read_from_it) {
+  timing::SimulationResult r;
+  r.l1.written_back = 3;
+  r.l2.written_back = 4;
+  const std::vector<Action> actions = actions_of(r, Design::kFp32);
+  EXPECT_EQ(count_of(actions, "l1", "read_sector"), 3u);
+  EXPECT_EQ(count_of(actions, "l2", "read_sector"), 4u);
 }
 
 TEST(Ledger, an_action_without_a_row_is_a_user_error) {

@@ -1,12 +1,14 @@
 // Fair comparisons: how many testers each design gets.
 //
-// The yardstick is the A2RT engine of the paper's Table II: 120 quantized box testers, 15 accurate
-// ones, 15 ray quantizers (24 triangle testers are common to all).
+// The yardstick is an A2RT engine of the paper's Table II: 120 quantized box testers, 15 accurate
+// ones, 15 ray quantizers (24 triangle testers are common to all), at the area that its quantized
+// testers have in the precision of the unit a2rt as configured.
 // same count: a design gets as many box testers as A2RT has in all (FP32: 135 BOX), or one unit for
 //   one (AQB8: 120 QBOX, 15 anchor and 15 update units; besides, one BOX per RT unit for the boxes
 //   of procedural primitives, outside the comparison like the triangle testers).
-// same area: FP32 gets as many BOX, AQB8 as many QBOX beside its 15 anchor and 15 update units, as
-//   fit the area of those 120 + 15 + 15, by the table's areas.
+// same area: FP32 gets as many BOX, AQB8 as many QBOX beside its 15 anchor and 15 update units, an
+//   A2RT of another precision as many QBOX beside its 15 BOX and 15 quantizers, as fit the
+//   yardstick's area.
 #pragma once
 
 #include <string>
@@ -28,9 +30,12 @@ struct TesterArea {
   bool reached_minimum = false;  // fewer would fit than the machine has RT units
 };
 
-// Sets the box-testing testers of `machine`; kConfig leaves them. `unit_dequantizes` is true for
-// compressed FP32 designs (cwbvh, clbvh), which carry a dequantizer per box tester.
-TesterArea apply_comparison(Comparison comparison, Design design, bool unit_dequantizes,
+// Box testing part of Table II's engine at the table's areas.
+double engine_area_um2(const EnergyTable& table);
+
+// Sets the box-testing testers of `machine`; kConfig leaves them. `table` holds the design's own
+// areas, `reference_um2` is the yardstick's.
+TesterArea apply_comparison(Comparison comparison, Design design, double reference_um2,
                             const EnergyTable& table, timing::MachineConfig& machine);
 
 }  // namespace a2rt::energy

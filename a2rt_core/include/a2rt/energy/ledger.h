@@ -7,15 +7,14 @@
 #include <vector>
 
 #include "a2rt/energy/table.h"
+#include "a2rt/rt/unit.h"
 #include "a2rt/timing/machine_config.h"
 #include "a2rt/timing/result.h"
 
 namespace a2rt::energy {
 
-// Whose quantized testers run: the same event costs different hardware.
-enum class Design { kFp32, kAqb8, kA2rt };
-// From a unit's name: aqb8..., a2rt..., anything else is FP32.
-Design design_of(const std::string& unit_name);
+// Whose testers run: the same event costs different hardware.
+using Design = BoxTesters;
 
 struct Action {
   std::string component, action;

@@ -34,6 +34,7 @@ class A2rtUnit {
           left = 0;  // `left` is what remains of the ray while the closest hit is `limit`
   };
   struct ContextRecord {
+    Traffic traffic;
     Address address;
     std::uint64_t bytes;
   };
@@ -122,7 +123,8 @@ class A2rtUnit {
   }
 
   ContextRecord context_record(const Tree& tree, const Context& context) const {
-    return {tree.base() + Bytes{tree.node(context.group).record_offset}, group_bytes_};
+    return {Traffic::kGroupNode, tree.base() + Bytes{tree.node(context.group).record_offset},
+            group_bytes_};
   }
 
  private:

@@ -26,6 +26,7 @@ class Aqb8Unit {
     float limit = 0;  // closest hit that local.qy_max stands for
   };
   struct ContextRecord {
+    Traffic traffic;
     Address address;
     std::uint64_t bytes;
   };
@@ -88,7 +89,7 @@ class Aqb8Unit {
   }
 
   ContextRecord context_record(const Tree& tree, const Context& context) const {
-    return {anchor_address(tree, context.cluster), anchor_bytes_};
+    return {Traffic::kAnchor, anchor_address(tree, context.cluster), anchor_bytes_};
   }
 
  private:

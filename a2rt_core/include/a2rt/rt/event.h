@@ -40,7 +40,8 @@ enum class EventKind : std::uint8_t {
   kPush = 10,         // `count` entries pushed on the traversal stack
   kPop = 11,          // one entry popped (count = 1), kept or culled by its re-test
   kContextPush = 12,  // group or cluster context set aside
-  kContextPop = 13,   // context restored; address/bytes name the record a re-fetching design reads
+  kContextPop = 13,   // context restored; traffic/address/bytes name the record that a re-fetching
+                      // design reads. count = 0: forgotten, as nothing of it is left to do
   kAnyHit = 14,  // candidate leaves the unit for an any-hit shader; `count` = candidate ordinal
   kIntersection = 15,  // candidate leaves the unit for an intersection shader
   kEscape = 16,  // A2RT guard/wide: pair left the quantized range; the kDequantize and kBoxTest
@@ -51,7 +52,7 @@ enum class EventKind : std::uint8_t {
 // One event; 16 bytes so that a ray's trace stays in cache.
 struct Event {
   EventKind kind = EventKind::kFetch;
-  Traffic traffic = Traffic::kNone;  // kFetch only
+  Traffic traffic = Traffic::kNone;  // kFetch, kContextPop
   std::uint16_t count = 1;
   std::uint32_t bytes = 0;    // kFetch, kContextPop
   std::uint64_t address = 0;  // byte address in the simulated GPU's memory

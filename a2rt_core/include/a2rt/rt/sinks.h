@@ -22,7 +22,8 @@ struct NullSink {
   static constexpr bool kAudits = false;
   void fetch(Traffic, Address, std::uint64_t) {}
   void count(EventKind, std::size_t) {}
-  void context_pop(Address, std::uint64_t) {}
+  void context_pop(Traffic, Address, std::uint64_t) {}
+  void context_forget() {}
 };
 
 // Appends to a list, in program order.
@@ -40,10 +41,11 @@ class EventSink {
     events_.push_back(
         {kind, Traffic::kNone, static_cast<std::uint16_t>(std::min<std::size_t>(n, 0xffff)), 0, 0});
   }
-  void context_pop(Address address, std::uint64_t bytes) {
-    events_.push_back({EventKind::kContextPop, Traffic::kNone, 1, static_cast<std::uint32_t>(bytes),
-                       address.value});
+  void context_pop(Traffic traffic, Address address, std::uint64_t bytes) {
+    events_.push_back(
+        {EventKind::kContextPop, traffic, 1, static_cast<std::uint32_t>(bytes), address.value});
   }
+  void context_forget() { count(EventKind::kContextPop, 0); }
 
  private:
   std::vector<Event>& events_;
@@ -57,7 +59,8 @@ class AuditSink {
   explicit AuditSink(Audit& audit) : audit_(audit) {}
 
   void fetch(Traffic, Address, std::uint64_t) {}
-  void context_pop(Address, std::uint64_t) {}
+  void context_pop(Traffic, Address, std::uint64_t) {}
+  void context_forget() {}
   void count(EventKind kind, std::size_t n) {
     audit_.box_tests += kind == EventKind::kBoxTest ? n : 0;
     audit_.qbox_tests += kind == EventKind::kQBoxTest ? n : 0;

@@ -14,7 +14,8 @@
 // culled only when strictly beyond the closest hit, so the order of slots does not show.
 //
 // Frames: entries of one frame form a run on the stack. A frame is set aside (kContextPush) when
-// another opens while entries of it remain, and restored (kContextPop) when one of them is popped.
+// another opens while entries of it remain, and restored (kContextPop) when one of them is popped,
+// or forgotten (kContextPop of count 0) when the last of them turns out to need no restoring.
 #pragma once
 
 #include <algorithm>
@@ -154,6 +155,7 @@ class Traversal {
           sink_.count(EventKind::kPop, 1);
           if (s_.traversal.retest_on_pop &&
               unit_.culled(tree, space, current.key, contexts[current.context], closest_, sink_)) {
+            forget_if_last(current.context, top, stack, saved);
             continue;
           }
         }
@@ -161,6 +163,7 @@ class Traversal {
           if constexpr (Unit::kContexts && kTop) {
             set_aside(top, stack, live, saved);  // the instance's own frames take its place
           }
+          forget_if_last(current.context, top, stack, saved);
           if (visit_leaf(current.ref)) {
             return true;
           }
@@ -201,13 +204,14 @@ class Traversal {
       if (outer != live) {
         if constexpr (Sink::kEmits) {
           const auto record = unit_.context_record(tree, contexts[outer]);
-          sink_.context_pop(record.address, record.bytes);
+          sink_.context_pop(record.traffic, record.address, record.bytes);
         }
         live = outer;
         saved &= ~(std::uint64_t{1} << outer);
       }
       return true;
     }
+    forget_if_last(outer, top, stack, saved);
     if (!unit_.open(tree, current.ref.index(), space, contexts.make(outer + 1), current.key, fresh,
                     closest_, sink_)) {
       return false;
@@ -224,6 +228,18 @@ class Traversal {
       saved |= std::uint64_t{1} << live;
     }
     live = kNone;
+  }
+
+  // A frame that was set aside, and whose last entry has just been taken off the stack for
+  // something else than going on in it, is not needed any more.
+  void forget_if_last(std::uint32_t context, const Entry* top, const Entry* stack,
+                      std::uint64_t& saved) {
+    if constexpr (Unit::kContexts) {
+      if ((saved >> context & 1U) != 0 && (top == stack || top[-1].context != context)) {
+        sink_.context_forget();
+        saved &= ~(std::uint64_t{1} << context);
+      }
+    }
   }
 
   // Pushes the hit children so that the one to visit next is on top. Equal keys: the lower slot

@@ -26,11 +26,20 @@ enum class Promise : std::uint8_t {
   kMayMiss        // can lose hits; every loss is counted
 };
 
+// The box testers a unit is made of; they decide how many fit into an area and what a test costs.
+enum class BoxTesters : std::uint8_t {
+  kFp32,        // accurate boxes only
+  kCompressed,  // accurate testers, each behind a dequantizer
+  kAqb8,        // quantized testers, anchor and update units
+  kA2rt         // quantized testers, accurate ones for group boxes, ray quantizers
+};
+
 struct UnitInfo {
   std::string name;
   std::string title;   // one line for tables
   std::string source;  // paper and section it implements
   Promise promise = Promise::kExact;
+  BoxTesters testers = BoxTesters::kFp32;
 };
 
 // Size and cost of the structure a unit traverses.

@@ -48,15 +48,21 @@ class Calendar {
   // Moves to the next cycle that has appointments and keeps them all. Returns false if there are
   // none left.
   bool step();
-  // Keeps all appointments before `end`.
-  void run_before(Cycles end) {
+  // Keeps all appointments before end(), which is asked before each.
+  template <class End>
+  void run_before(const End& end) {
     while (pending_ > 0) {
       const Cycles at = next();
-      if (at >= end) {
+      if (at >= end()) {
         return;
       }
       serve(at);
     }
+  }
+  // Lets time pass to `when`; everything before it must have been kept.
+  void move_to(Cycles when) {
+    A2RT_CHECK(when >= now_ && (pending_ == 0 || next() >= when), "an appointment was passed over");
+    now_ = when;
   }
   // Cycle of the next appointment; there must be one.
   Cycles next() const {

@@ -22,6 +22,8 @@ class ClockDomain {
   Cycles from_core(Cycles core) const {
     return same() ? core : Cycles{ceil_div(core.value * mhz_, core_mhz_)};
   }
+  // Core cycle in which this domain's edge `own` lies.
+  Cycles core_of(Cycles own) const { return same() ? own : Cycles{own.value * core_mhz_ / mhz_}; }
   // First core edge at or after this domain's edge `own`.
   Cycles to_core(Cycles own) const {
     return same() ? own : Cycles{ceil_div(own.value * core_mhz_, mhz_)};

@@ -2,10 +2,10 @@
 //
 // The crossbar moves one sector per cycle into and out of every SM and every slice. A slice starts
 // one sector's lookup per L2 cycle; a hit answers `latency` later, a miss reaches its DRAM channel
-// `extra_latency` after that. Lookups and the SMs' sides of the crossbar are first come first
-// served, so their queues are no more than the cycle from which they are free; a slice's side
-// carries what is ready first. L2 writes back and allocates on write without fetching (stores and
-// spills are whole sectors).
+// `extra_latency` after that. Lookups and what enters an SM are first come first served, so their
+// queues are no more than the cycle from which they are free; what leaves an SM or a slice is known
+// ahead of time, and what is ready first goes first. L2 writes back and allocates on write without
+// fetching (stores and spills are whole sectors).
 //
 // Time is run in stretches: first the DRAM channels, then the SMs, then the slices. What goes from
 // one to the next takes at least stretch() cycles, or has been decided in an earlier stretch.
@@ -54,9 +54,10 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   void check_drained() const override;
 
  private:
-  enum Wake : std::uint32_t { kAtSlice, kLookAgain, kAtDram, kWriteAtDram, kFill, kAtSm };
+  enum Wake : std::uint32_t { kAtSlice, kLookAgain, kAtDram, kWriteAtDram, kFill, kAtSm, kIntoSm };
   static constexpr std::uint32_t kNil = 0xffffffffu;
-  // Sectors of one line on their way; below the L2's lookup, misses go one by one.
+  // Sectors of one line on their way, in consecutive cycles; below the L2's lookup, misses go one
+  // by one.
   struct Request {
     Address line;
     std::uint64_t local = 0;  // of the line, within the slice; of the sector, once missed
@@ -72,19 +73,22 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
     ReservedPort out;                  // core clock
     std::vector<std::uint32_t> mshrs;  // hash buckets of request indices, chained by `next`
     std::uint32_t mshrs_used = 0;
-    std::deque<std::uint32_t> blocked;
+    std::deque<std::uint32_t> blocked;  // oldest first; who comes later waits behind them
   };
   std::uint32_t allocate();
   void release(std::uint32_t index);
   void at_slice(Cycles now, std::uint32_t index);
-  void split(Cycles now, Cycles start, std::uint32_t index, SectorMask hits);
+  Cycles look_up(Cycles now, Slice& slice, std::uint32_t sectors);
+  Cycles core_time(Cycles start, std::uint32_t position) const;
+  void split(Cycles start, std::uint32_t index, SectorMask hits);
   void look_again(Cycles now, std::uint32_t index);
-  void miss(Cycles start, std::uint32_t index);
+  void miss(Cycles looked_up, std::uint32_t index, bool waited);
   void wake_blocked(Cycles now, Slice& slice);
   void fill(Cycles now, std::uint32_t index);
   void answer_merged(Cycles now, std::uint32_t index);
   void deliver(Cycles now, std::uint32_t index);
-  void respond(Cycles now, Cycles ready, std::uint32_t index);
+  void enter_sm(Cycles now, std::uint32_t index);
+  void respond(Cycles ready, std::uint32_t index);
   void insert(Cycles now, std::uint32_t slice, std::uint64_t local, SectorMask sectors,
               Traffic kind, bool dirty);
   std::uint64_t channel_local(std::uint32_t slice, std::uint64_t local) const;
@@ -101,7 +105,8 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   std::vector<std::unique_ptr<DramChannel>> channels_;
   std::vector<LineSink*> sinks_;
   std::vector<Calendar*> sm_calendars_;
-  std::vector<Cycles> sm_out_free_, sm_in_free_;
+  std::vector<ReservedPort> sm_out_;
+  std::vector<Cycles> sm_in_free_;
   std::vector<Request> requests_;
   // Who waits for a sector that is on its way, chained behind the request that fetches it.
   std::vector<std::uint32_t> merged_;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "a2rt/base/error.h"
 #include "a2rt/base/units.h"
 
 namespace a2rt::timing {
@@ -18,6 +19,7 @@ class ReservedPort {
   // Cycles before `now` will not be asked for again; `now` only moves forward.
   Cycles take(Cycles now, Cycles ready, std::uint32_t n) {
     forget_before(now.value / 64);
+    A2RT_CHECK(ready.value / 64 >= first_word_, "a port was asked for a cycle of the past");
     std::uint64_t at = ready.value;
     while (true) {
       while ((at + 128) / 64 >= first_word_ + words_.size()) [[unlikely]] {

@@ -25,8 +25,6 @@ struct TesterUse {
 struct DispatchTime {
   Cycles cycles;
   std::uint64_t rays = 0, warps = 0;
-  Cycles last_launch;               // from the dispatch's start until its last warp began
-  std::uint64_t resident_then = 0;  // warps on the machine at that moment
 };
 
 struct Series {

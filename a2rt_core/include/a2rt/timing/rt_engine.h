@@ -58,9 +58,12 @@ struct RtCounts {
   TrafficCounts fetches{}, fetch_bytes{}, sectors_wanted{};  // before merging
   std::uint64_t rays = 0, warps = 0;
   std::uint64_t sectors_sent = 0, stores_sent = 0, port_cycles = 0;
-  std::uint64_t stack_spills = 0, stack_fills = 0;      // sectors
+  std::uint64_t stack_spills = 0, stack_fills = 0;    // sectors
+  std::uint64_t stack_pushed = 0, stack_popped = 0;   // entries through the on-chip stack
+  std::uint64_t stack_spilled = 0, stack_filled = 0;  // entries
+  std::uint64_t context_saves = 0, context_restores = 0;
   std::uint64_t context_spills = 0, context_fills = 0;  // contexts
-  std::uint64_t context_refetches = 0;
+  std::uint64_t context_refetches = 0, context_refetch_steps = 0;
   std::uint64_t round_trips = 0, candidates = 0;
   std::array<std::uint64_t, static_cast<std::size_t>(LaneReason::kCount)> lane_cycles{};
   std::uint64_t warp_cycles = 0;  // residence, summed over warps
@@ -72,8 +75,9 @@ class RtEngine final : public Component, public L1Client {
            RaySource& source, RtHost& host);
 
   bool has_room() const { return resident_ < slots_.size(); }
-  // Takes a warp; throws InternalError if there is no room.
-  void accept(Cycles now, std::uint32_t warp, const LaneRays& rays);
+  // Takes a warp; throws InternalError if there is no room. `rays` is a copy: rays without events
+  // end at once, upon which the warp goes on to its next ones.
+  void accept(Cycles now, std::uint32_t warp, LaneRays rays);
   void candidates_done(Cycles now, std::uint32_t warp);
 
   void finish(Cycles end);  // closes the books

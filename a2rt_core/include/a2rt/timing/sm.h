@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -57,8 +58,13 @@ class Sm final : public Component, public RtHost, public L1Client {
   Sm(const MachineConfig& config, std::uint32_t index, Calendar& calendar, LowerLevel& lower,
      RaySource& source, const ShaderAddresses& addresses, SmHost& host);
 
-  // Fills free warp slots; called at the start of a dispatch and when a warp retires.
+  // Takes a new warp if there is one and a slot is free.
   bool launch(Cycles now);
+  // A slot became free: the SM takes a warp in this cycle, and must not run on before it is its
+  // turn among the SMs. kNoTurn if it has nothing to ask for.
+  static constexpr Cycles kNoTurn{~std::uint64_t{0}};
+  Cycles turn() const { return turns_.empty() ? kNoTurn : turns_.front(); }
+  void take_turn(Cycles now);
   bool idle() const { return resident_ == 0; }
   // End of the last issue or port use booked so far, which may lie beyond the last appointment.
   Cycles booked_until() const;
@@ -78,7 +84,7 @@ class Sm final : public Component, public RtHost, public L1Client {
   void check_drained() const override;
 
  private:
-  enum Wake : std::uint32_t { kIssue, kLsuPort, kData, kJudge, kResume };
+  enum Wake : std::uint32_t { kIssue, kLsuPort, kData, kJudge };
   enum class State : std::uint8_t { kEmpty, kReady, kMemory, kLsu, kRtSlot, kInRt, kCount };
   // What a scheduler looks at in every cycle, apart from the rest to stay in the host's caches.
   struct Front {
@@ -178,6 +184,7 @@ class Sm final : public Component, public RtHost, public L1Client {
   Port lsu_port_;
   std::vector<Address> scratch_;
   SmHost::NewWarp new_warp_{};
+  std::deque<Cycles> turns_;  // in order
   std::uint32_t resident_ = 0;
   std::uint64_t age_ = 0;
   SmCounts counts_;

@@ -32,7 +32,8 @@ Aqb8Unit::Space::Space(const Aqb8Unit& unit, const Vec3& origin, const Vec3& dir
 }
 
 Aqb8Unit::Aqb8Unit(const config::Section& section)
-    : info_{"aqb8", "AQB8", "Huang, Yang, Yeh, ISCA 2025 (public artifact)", Promise::kMayMiss},
+    : info_{"aqb8", "AQB8", "Huang, Yang, Yeh, ISCA 2025 (public artifact)", Promise::kMayMiss,
+            BoxTesters::kAqb8},
       settings_(read_unit_settings(section, bvh::kAqb8MostLeaf, bvh::kAqb8MostLeaf)) {
   artifact_ = section.boolean("artifact", false,
                               "Reproduce the public 6-wide code: sliding window, aliased node "

@@ -10,7 +10,7 @@ class Baseline : public BoxUnit {
  public:
   explicit Baseline(const config::Section& section)
       : BoxUnit({"baseline", "FP32 RT core", "A2RT paper, section V.A (56-byte nodes)",
-                 Promise::kExact},
+                 Promise::kExact, BoxTesters::kFp32},
                 read_unit_settings(section)),
         node_bytes_(static_cast<std::uint32_t>(section.table("layout").integer(
             "node_bytes", 56, bvh::kFp32RecordLeast, 4096, "bytes", "Record of one box"))) {

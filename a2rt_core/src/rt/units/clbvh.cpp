@@ -13,7 +13,7 @@ class Clbvh : public BoxUnit {
  public:
   explicit Clbvh(const config::Section& section)
       : BoxUnit({"clbvh", "Compressed-leaf BVH", "Benthin, Wald, Woop, Afra, HPG 2018",
-                 Promise::kConservative},
+                 Promise::kConservative, BoxTesters::kCompressed},
                 read_unit_settings(section)),
         node_bytes_(static_cast<std::uint32_t>(
             section.table("layout").integer("node_bytes", 56, bvh::kFp32RecordLeast, 4096, "bytes",

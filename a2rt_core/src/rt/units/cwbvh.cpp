@@ -11,7 +11,7 @@ class Cwbvh : public BoxUnit {
  public:
   explicit Cwbvh(const config::Section& section)
       : BoxUnit({"cwbvh", "Compressed wide BVH", "Ylitie, Karras, Laine, HPG 2017, section 3",
-                 Promise::kConservative},
+                 Promise::kConservative, BoxTesters::kCompressed},
                 read_unit_settings(section, bvh::kCwbvhMostLeaf, bvh::kCwbvhMostLeaf)) {}
 
   BoxTree encode(bvh::WideBvh& tree, const std::string& name, bvh::AddressSpace& space,
