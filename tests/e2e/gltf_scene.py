@@ -27,9 +27,7 @@ def _paint(name: str, color: tuple[float, float, float, float]) -> dict[str, Any
 
 def three_plates() -> dict[str, Any]:
     """Under a sky: a large wall, a pane before its left half, a masked leaf before its right."""
-    data = struct.pack(
-        "<12f6H", *[value for corner in _CORNERS for value in corner], *_TRIANGLES
-    )
+    data = struct.pack("<12f6H", *[value for corner in _CORNERS for value in corner], *_TRIANGLES)
     primitive = {"attributes": {"POSITION": 0}, "indices": 1}
     leaf = _paint("leaf", (0.2, 0.8, 0.2, 0.25))
     leaf["alphaMode"] = "MASK"
@@ -43,9 +41,7 @@ def three_plates() -> dict[str, Any]:
             {"mesh": 2, "scale": [0.6, 0.6, 1], "translation": [0.8, 0, 0.2]},
             {"camera": 0, "translation": [0, 0, 5]},
         ],
-        "cameras": [
-            {"type": "perspective", "perspective": {"yfov": 0.6, "znear": 0.1}}
-        ],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.6, "znear": 0.1}}],
         "meshes": [{"primitives": [{**primitive, "material": i}]} for i in range(3)],
         "materials": [
             _paint("wall", (0.7, 0.7, 0.7, 1)),
@@ -70,8 +66,7 @@ def three_plates() -> dict[str, Any]:
         "buffers": [
             {
                 "byteLength": len(data),
-                "uri": "data:application/octet-stream;base64,"
-                + base64.b64encode(data).decode(),
+                "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
             }
         ],
     }

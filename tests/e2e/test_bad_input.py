@@ -53,9 +53,7 @@ def test_a_malformed_scene_is_refused_by_name(a2rt):
 
 
 def test_an_empty_scene_is_refused(a2rt):
-    text = json.dumps(
-        {"asset": {"version": "2.0"}, "scenes": [{"nodes": []}], "scene": 0}
-    )
+    text = json.dumps({"asset": {"version": "2.0"}, "scenes": [{"nodes": []}], "scene": 0})
     (a2rt.folder / "empty.gltf").write_text(text, encoding="utf-8")
     message = a2rt.refused("render", "empty.gltf", *SMALL, "-o", "x.png")
     assert "nothing to draw" in message
@@ -109,9 +107,7 @@ def _triangles_have_no_area(scene: dict) -> None:
         (_triangles_have_no_area, "has an area", "repair the file"),
     ],
 )
-def test_a_damaged_scene_is_refused_with_file_place_and_remedy(
-    a2rt, damage, said, remedy
-):
+def test_a_damaged_scene_is_refused_with_file_place_and_remedy(a2rt, damage, said, remedy):
     scene = gltf_scene.three_plates()
     damage(scene)
     gltf_scene.write(scene, a2rt.folder / "bad.gltf")

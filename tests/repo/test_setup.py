@@ -67,9 +67,7 @@ def test_versions_are_compared_by_their_upstream_part(version, least, enough):
 
 def test_only_the_driver_comes_from_backports():
     packages = debian.wanted_packages()
-    assert [package.name for package in packages if package.backports] == [
-        "mesa-vulkan-drivers"
-    ]
+    assert [package.name for package in packages if package.backports] == ["mesa-vulkan-drivers"]
     names = [package.name for package in packages]
     assert names == list(dict.fromkeys(names))
 
@@ -84,9 +82,7 @@ def test_only_the_driver_comes_from_backports():
         (Need.SLOW_TESTS, True, True),
     ],
 )
-def test_only_the_tests_install_a_browser_and_only_the_slow_ones_clang(
-    need, chromium, clang
-):
+def test_only_the_tests_install_a_browser_and_only_the_slow_ones_clang(need, chromium, clang):
     names = [package.name for package in debian.wanted_packages(need)]
     assert ("chromium" in names) is chromium
     assert ("clang" in names and "libclang-rt-dev" in names) is clang
@@ -119,14 +115,9 @@ def test_install_commands_name_the_suite_only_for_the_driver():
     assert everything[-2:] == ["cmake", "mesa-vulkan-drivers"]
 
 
-@pytest.mark.parametrize(
-    "path", sorted(SCRIPTS.glob("requirements*.txt")), ids=lambda p: p.name
-)
+@pytest.mark.parametrize("path", sorted(SCRIPTS.glob("requirements*.txt")), ids=lambda p: p.name)
 def test_every_python_package_is_pinned_to_one_version(path):
-    lines = [
-        line.split("#")[0].strip()
-        for line in path.read_text(encoding="utf-8").splitlines()
-    ]
+    lines = [line.split("#")[0].strip() for line in path.read_text(encoding="utf-8").splitlines()]
     loose = [line for line in lines if line and "==" not in line]
     assert not loose
 
