@@ -12,7 +12,6 @@ from a2rt_cli.paths import SHARED_SCENES
 from a2rt_cli.setup import build, debian, driver, python_env
 from a2rt_cli.setup.needs import Need
 
-
 # What the build makes, by the names CMake gives them.
 PROGRAMS = ("a2rt-core", "a2rt-render", "libVkLayer_a2rt_capture.so")
 
