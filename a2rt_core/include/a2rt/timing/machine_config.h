@@ -80,7 +80,7 @@ struct DramConfig {
   std::uint32_t banks = 16;
   std::uint32_t queue = 64;
   Bytes row{2048};
-  Cycles cl{20}, rcd{20}, rp{20}, ras{50}, rc{62}, ccd{4}, rrd{10}, wl{8}, burst{4}, rtp{4}, wr{24},
+  Cycles cl{20}, rcd{20}, rp{20}, ras{50}, rc{62}, ccd{4}, rrd{10}, wl{8}, burst{4}, rtp{4}, wr{20},
       turnaround{12};
 };
 
