@@ -18,7 +18,7 @@ std::uint64_t next_random(std::uint64_t& state) {
   return z ^ (z >> 31);
 }
 
-// `count` of `all` blocks, evenly apart from a random start, shuffled.
+// `count` of `all` blocks, evenly apart from a random start, ascending.
 std::vector<std::size_t> evenly(std::size_t all, std::size_t count, std::uint64_t& random) {
   const double step = static_cast<double>(all) / static_cast<double>(count);
   const double start = step * static_cast<double>(next_random(random) >> 11) * 0x1p-53;
@@ -26,9 +26,6 @@ std::vector<std::size_t> evenly(std::size_t all, std::size_t count, std::uint64_
   for (std::size_t i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(start + step * static_cast<double>(i));
     out.push_back(std::min(at, all - 1));
-  }
-  for (std::size_t i = out.size(); i > 1; --i) {
-    std::swap(out[i - 1], out[next_random(random) % i]);
   }
   return out;
 }
@@ -110,6 +107,7 @@ SamplePlan plan_sample(const std::vector<WarpPlace>& warps, const std::vector<do
     blocks_before += static_cast<std::uint32_t>(blocks);
     first = end;
   }
+  std::sort(plan.warps.begin(), plan.warps.end());
   return plan;
 }
 
@@ -158,6 +156,7 @@ struct Sum {
 struct DispatchSample {
   double cost_all = 0, cost_chosen = 0;
   double warps_all = 0;
+  double residence = 0;  // of all sampled warps
   // Of the warps that ran on a full machine: launched neither in its first filling nor in its last.
   std::map<std::uint32_t, Sum> blocks;
 
@@ -192,8 +191,10 @@ std::map<std::uint32_t, DispatchSample> by_dispatch(const SamplePlan& plan,
     }
   }
   for (const WarpRecord& warp : subset.warps) {
+    DispatchSample& dispatch = out[plan.dispatch[warp.number]];
+    dispatch.residence += static_cast<double>(warp.residence.value);
     if (steady[warp.number]) {
-      Sum& block = out[plan.dispatch[warp.number]].blocks[plan.block[warp.number]];
+      Sum& block = dispatch.blocks[plan.block[warp.number]];
       block.cost += plan.cost[warp.number];
       block.residence += static_cast<double>(warp.residence.value);
       block.warps += 1;
@@ -241,7 +242,9 @@ Estimate extrapolate_cycles(const SamplePlan& plan, const SimulationResult& subs
       const double rate = steady.residence / steady.cost / static_cast<double>(places);
       const double added = rate * (sample.cost_all - sample.cost_chosen);
       estimate.value += added;
-      half_width += relative_spread(sample) * added;
+      // Share of the sample's time that is not like the whole: places stood empty.
+      const double empty = 1 - sample.residence / (cycles * static_cast<double>(places));
+      half_width += std::hypot(relative_spread(sample), empty) * added;
     }
   }
   estimate.low = estimate.value - half_width;

@@ -1,13 +1,13 @@
 // Sampling: time a representative subset of the warps and extrapolate.
 //
 // Each dispatch is cut into blocks of consecutive warps, which share cache lines. Of the blocks, in
-// the order of their cost, every so-many-th is run, so that cheap and dear ones have their share;
-// the order of the run is shuffled. The warps launched neither in the machine's first filling nor
-// in its last ran on a full machine. By Little's law such a machine gives residence / places cycles
-// to a warp, and so long the warps left out would have taken, by their share of the cost (a proxy:
-// events of some of their rays, traced without time). Cold start and thinning end occur once in
-// the sample as in the whole. A sample that does not fill the machine a few times over has no warps
-// between its start and its end; it is refused.
+// the order of their cost, every so-many-th is run, so that cheap and dear ones have their share.
+// The warps launched neither in the machine's first filling nor in its last ran on a full machine.
+// By Little's law such a machine gives residence / places cycles to a warp, and so long the warps
+// left out would have taken, by their share of the cost (a proxy: events of some of their rays,
+// traced without time). Cold start and thinning end occur once in the sample as in the whole. A
+// sample that does not fill the machine a few times over has no warps between its start and its
+// end; it is refused. MODEL.md says what the method rests on.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ namespace a2rt::timing {
 inline constexpr std::size_t kBlockWarps = 64;
 
 struct SamplePlan {
-  std::vector<std::uint32_t> warps;     // chosen, dispatch by dispatch, as they are to be launched
+  std::vector<std::uint32_t> warps;     // chosen, ascending
   std::vector<std::uint32_t> block;     // of every warp, numbered through all dispatches
   std::vector<double> cost;             // proxy of every warp
   std::vector<std::uint32_t> dispatch;  // of every warp
@@ -53,8 +53,8 @@ inline constexpr std::uint64_t kFillings = 3;
 std::string why_not_representative(const SamplePlan& plan, const MachineConfig& machine);
 
 // Cycles of the whole run from those of the subset, simulated on `machine`. The interval comes from
-// the spread between blocks. It cannot know what only the whole has: lines that one block leaves in
-// the L2 for the next. `--sample-check` measures that.
+// the spread between blocks and from the share of the sample's time in which warp places stood
+// empty: the shorter a run, the less of it is like the whole, whose caches are warm.
 Estimate extrapolate_cycles(const SamplePlan& plan, const SimulationResult& subset,
                             const MachineConfig& machine);
 
