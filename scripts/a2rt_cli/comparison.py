@@ -52,7 +52,8 @@ def items_of(texts: Sequence[str], options: RenderOptions) -> list[Item]:
     return out
 
 
-def _capture_all(items: Sequence[Item], cache: Path) -> list[Captured]:
+def capture_all(items: Sequence[Item], cache: Path) -> list[Captured]:
+    """Every item as a workload file, drawn unless `cache` has it."""
     captured = []
     for item in items:
         if scenes.is_workload_file(item.text):
@@ -157,7 +158,7 @@ def _compare(
     parallel: int,
     command: str,
 ) -> list[dict[str, Any]]:
-    captured = _capture_all(items, cache / "captures")
+    captured = capture_all(items, cache / "captures")
     pictures = out / "pictures"
     for one in captured:
         if one.picture is not None:

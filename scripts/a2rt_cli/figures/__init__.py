@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from a2rt_cli.engine.capture import Captured
     from a2rt_cli.experiment import Experiment
     from a2rt_cli.results import Result
 
@@ -37,9 +38,19 @@ class Context:
             self.out,
             parallel=self.parallel,
             command=options.command_line(),
-            # Figures share captures and runs: most need the same ones.
-            cache=self.out.parent / ".cache",
+            cache=self.cache,
         )
+
+    def captured(self) -> list[Captured]:
+        """The workload files of the runs."""
+        from a2rt_cli import comparison
+
+        return comparison.capture_all(self.experiment.items(), self.cache / "captures")
+
+    @property
+    def cache(self) -> Path:
+        """Figures share captures and runs: most need the same ones."""
+        return self.out.parent / ".cache"
 
 
 @dataclass(frozen=True)

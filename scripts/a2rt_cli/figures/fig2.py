@@ -77,9 +77,10 @@ def _gap(found: Sequence[Result]) -> list[str]:
     ratios = [boxes / triangles for boxes, triangles in counts if boxes and triangles]
     if box and triangle and ratios:
         mean = formats.geometric_mean(ratios)
+        heavier = ", so that triangles weigh more in time than in number" if triangle > box else ""
         out.append(
             f"the baseline makes {mean:.1f} box tests for each triangle test (geometric mean); a "
             f"box test takes {box} cycles here and a triangle test {triangle}, the stages of the "
-            "public AQB8 RTL, so that triangles weigh more in time than in number."
+            f"public AQB8 RTL{heavier}."
         )
     return out

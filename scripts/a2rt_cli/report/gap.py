@@ -91,11 +91,14 @@ def _boxes(timed: Sequence[Result]) -> list[str]:
     leaves = measures.mean_ratio(timed, "a2rt", "baseline", triangles)
     if boxes is None or leaves is None:
         return []
-    return [
+    text = (
         f"A²RT tests {formats.percent(boxes, 0)} as many boxes and {formats.percent(leaves, 0)} "
-        "as many triangles as the baseline: the price of its coarser boxes, which smaller nodes "
-        "and testers have to win back."
-    ]
+        "as many triangles as the baseline"
+    )
+    if max(boxes, leaves) > 1:
+        text += ": more tests are the price of its coarser boxes, which smaller nodes and testers "
+        text += "have to win back"
+    return [text + "."]
 
 
 def _losses(timed: Sequence[Result]) -> list[str]:

@@ -141,13 +141,6 @@ def energy(result: Result) -> float | None:
     return None if is_sampled(result) else results.get(result, "energy.total_pj")
 
 
-def build_seconds(result: Result) -> float | None:
-    built = results.get(result, "structure.build_seconds")
-    if built is None:
-        return None
-    return built + results.get(result, "structure.classify_seconds", 0)
-
-
 def _inverse(value: float | None) -> float | None:
     return None if not value else 1 / value
 
@@ -192,7 +185,6 @@ MEASURES: dict[str, Measure] = {
     "box_time_share": _share("time.shares.box_of_intersection"),
     "bvh_l1_share": _share("memory.shares.bvh_of_l1"),
     "box_storage_share": Measure(ARITHMETIC, box_storage_share),
-    "build_vs_aqb8": _ratio("a2rt", "aqb8", build_seconds),
     "bytes_a2rt": _ratio("a2rt", "baseline", results.tree_bytes),
     "bytes_aqb8": _ratio("aqb8", "baseline", results.tree_bytes),
     "energy_vs_baseline": _ratio("a2rt", "baseline", energy),
