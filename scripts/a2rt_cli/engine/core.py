@@ -88,10 +88,14 @@ def bench_units(
     target: Path,
     *,
     units: Sequence[str] = (),
+    extra: Sequence[str] = (),
     shown: console.Step | None = None,
 ) -> dict[str, Any]:
-    """Functional rays a second, build times and peak memory; all units unless some are named."""
-    words: list[str | Path] = ["bench-units", workload, "-o", target]
+    """Functional rays a second, build times and peak memory; all units unless some are named.
+
+    `extra`: --rays, --repeats. A unit that is named twice is measured twice.
+    """
+    words: list[str | Path] = ["bench-units", workload, "-o", target, *extra]
     words += ["--units", ",".join(units)] if units else []
     _call(words, f"timing units on {workload.name}", shown)
     return read_result(target)
@@ -120,6 +124,11 @@ def direction_map(
     with replacing(target) as temporary:
         _call([*words, "--pairs", str(pairs), "-o", temporary], "testing directions", shown)
     return read_result(target)
+
+
+def tester(unit: str) -> dict[str, Any]:
+    """Area and energy of the quantized box tester that a unit of A²RT is simulated with."""
+    return _result(["tester", "--unit", unit], f"asking for the tester of {unit}")
 
 
 def subcommands() -> frozenset[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,9 +21,9 @@ HOW = (
     "the median of\nall builds, {repeats} of each unit in turn in one process, in processor time. "
     "Classification and encoding are the\nunit's own, medians of {repeats}. Our total is the tree "
     "and both of these. The paper's 38.97 % is a total of build\nand classification too, A²RT's "
-    "classification running while the tree is built and AQB8's after it; ours runs after it\nfor "
-    "both. As one tree serves both, its time pulls the ratio of the totals towards 1: the ratio of "
-    "what differs\nstands beside it."
+    "running while the tree is built and AQB8's after it; ours runs after it for both. One tree\n"
+    "serves both, so that its time pulls the ratio of the totals towards 1: the ratio of what "
+    "differs stands beside it."
 )
 
 
@@ -76,7 +76,7 @@ def _measure(context: Context) -> list[Build]:
     return found
 
 
-def _mean(builds: Sequence[Build], seconds: Any) -> float | None:
+def _mean(builds: Sequence[Build], seconds: Callable[[Build, str], float]) -> float | None:
     """Geometric mean of A²RT's over AQB8's."""
     ratios = [results.ratio(seconds(one, "a2rt"), seconds(one, "aqb8")) for one in builds]
     return formats.geometric_mean([ratio for ratio in ratios if ratio is not None])
@@ -87,9 +87,12 @@ def build_rows(builds: Sequence[Build]) -> list[dict]:
     (printed,) = (row for row in plotting.beside(NAME, []) if row["id"] == "fig7a.build")
     how = measures.GEOMETRIC
     total = {**printed, "ours": _mean(builds, Build.total), "how": how}
-    own = {"id": "fig7a.own", "what": "... without the tree that both share", "kind": "ratio"}
-    own |= {"paper": None, "ours": _mean(builds, Build.own), "how": how, "source": "ours"}
-    return [total, own]
+    parts = {
+        "... tree and classification, without encoding": lambda b, u: b.tree + b.classify[u],
+        "... without the tree that both share": Build.own,
+    }
+    shared = {"id": "", "kind": "ratio", "paper": None, "how": how, "source": "ours"}
+    return [total, *[{**shared, "what": w, "ours": _mean(builds, s)} for w, s in parts.items()]]
 
 
 def build_table(builds: Sequence[Build]) -> str:
@@ -123,7 +126,6 @@ def _draw_builds(axes, builds: Sequence[Build]) -> None:
         axes.bar(spots, own, width * 0.92, bottom=tree, color=colour, label=f"{unit}: its own")
     _finish(axes, [one.workload for one in builds], "(a) Build and classification time")
     axes.set_ylabel("share of AQB8's")
-    axes.legend(fontsize=8, loc="lower left", frameon=True)
 
 
 def _draw_bytes(axes, found: Sequence[results.Result]) -> None:
@@ -137,10 +139,11 @@ def _draw_bytes(axes, found: Sequence[results.Result]) -> None:
         axes.bar(spots, heights, width * 0.92, label=unit, color=charts.unit_colour(unit, index))
     _finish(axes, list(groups), "(b) Bytes asked of L1")
     axes.set_ylabel("share of the baseline's")
-    axes.legend(fontsize=8, loc="lower left", frameon=True)
 
 
 def _finish(axes, names: Sequence[str], title: str) -> None:
+    axes.set_ylim(0, 1.15 * axes.get_ylim()[1])
+    axes.legend(fontsize=8, loc="upper center", ncols=3)
     axes.axhline(1.0, color="#1a2230", linewidth=0.8)
     axes.set_xticks(range(len(names)), names, rotation=30, ha="right")
     axes.set_title(title, loc="left")
