@@ -37,10 +37,10 @@ const std::vector<TestModule>& all_modules() {
   return modules;
 }
 
-const std::vector<std::uint32_t>& module_named(const std::string& name) {
+const std::vector<std::uint32_t>& module_named(std::string_view name) {
   const auto found = std::ranges::find(all_modules(), name, &TestModule::name);
   if (found == all_modules().end()) {
-    throw std::runtime_error("no test module " + name);
+    throw std::runtime_error("no test module " + std::string(name));
   }
   return found->words;
 }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace a2rt::spirv::testing {
@@ -13,7 +14,7 @@ struct TestModule {
 };
 
 const std::vector<TestModule>& all_modules();
-const std::vector<std::uint32_t>& module_named(const std::string& name);
+const std::vector<std::uint32_t>& module_named(std::string_view name);
 
 // What spirv-val says; empty if it accepts the module.
 std::string validation_error(const std::vector<std::uint32_t>& words, const std::string& name);
