@@ -17,9 +17,12 @@
 #include "a2rt/arith/slab.h"
 #include "a2rt/base/error.h"
 #include "a2rt/base/text_file.h"
+#include "a2rt/rt/a2rt_precision.h"
+#include "a2rt/rt/unit.h"
 #include "a2rt/workload/synthetic.h"
 #include "command.h"
 #include "progress.h"
+#include "unit_option.h"
 
 namespace a2rt::tools {
 namespace {
@@ -86,14 +89,30 @@ bool aqb8_says(const Case& c, arith::Aqb8Rounding rounding) {
   return arith::aqb8_test(ray, local, arith::quantize_aqb8(c.child, anchor)).hit;
 }
 
-std::map<std::string, Judge> judges() {
-  arith::A2rtPrecision literal;
-  literal.origin = arith::OriginDesign::kLiteral;
+// As the unit's configuration says.
+arith::A2rtPrecision precision_of(const std::string& unit) {
+  return rt::read_a2rt_precision(choose_unit(unit, "", {}).section, rt::default_origin(unit));
+}
+
+bool is_a2rt(const std::string& unit) { return unit == "a2rt" || unit == "a2rt-literal"; }
+
+Judge judge_of(const std::string& unit) {
   using Rounding = arith::Aqb8Rounding;
-  return {{"a2rt", [](const Case& c) { return a2rt_says(c, {}); }},
-          {"a2rt-literal", [literal](const Case& c) { return a2rt_says(c, literal); }},
-          {"aqb8", [](const Case& c) { return aqb8_says(c, Rounding::kFloorCeil); }},
-          {"aqb8-nearest", [](const Case& c) { return aqb8_says(c, Rounding::kNearestEven); }}};
+  if (is_a2rt(unit)) {
+    return [precision = precision_of(unit)](const Case& c) { return a2rt_says(c, precision); };
+  }
+  if (unit == "aqb8" || unit == "aqb8-nearest") {
+    const Rounding rounding = unit == "aqb8" ? Rounding::kFloorCeil : Rounding::kNearestEven;
+    return [rounding](const Case& c) { return aqb8_says(c, rounding); };
+  }
+  throw UserError("--units " + unit + ": use a2rt, a2rt-literal, aqb8 or aqb8-nearest");
+}
+
+nlohmann::json precision_json(const arith::A2rtPrecision& precision) {
+  return {{"box_bits", precision.box_bits},
+          {"origin", arith::name_of(precision.origin)},
+          {"origin_bits", precision.effective_origin_bits()},
+          {"direction", arith::name_of(precision.direction)}};
 }
 
 class Sampler {
@@ -232,16 +251,14 @@ nlohmann::json tally_json(const Tally& tally, std::size_t width) {
 }
 
 int run(const Options& o) {
-  const auto known = judges();
+  nlohmann::json json;
   std::map<std::string, Judge> units;
   for (const std::string& name : o.units) {
-    const auto found = known.find(name);
-    if (found == known.end()) {
-      throw UserError("--units " + name + ": use a2rt, a2rt-literal, aqb8 or aqb8-nearest");
+    units.emplace(name, judge_of(name));
+    if (is_a2rt(name)) {
+      json["precision"][name] = precision_json(precision_of(name));
     }
-    units.insert(*found);
   }
-  nlohmann::json json;
   {
     Progress progress;
     json["units"] = tally_json(map_octant(o, units, progress), o.bins);

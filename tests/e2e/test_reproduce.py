@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 
 import pytest
 
@@ -36,6 +37,39 @@ def test_table_2_says_what_is_published_and_what_is_estimated(a2rt):
     assert "QBOX           published    120" in said
     assert "TRI            estimated     24" in said
     assert "copied right" in said and "1.26" in said
+    # The unit's origins are wider than the paper's: its tester is larger than the published one.
+    assert "published row" in said and "row simulated" in said and "58.34 %" in said
+
+
+def test_the_direction_map_and_the_tester_are_those_of_the_users_configuration(a2rt, monkeypatch):
+    from a2rt_cli.engine import core
+    from a2rt_cli.paths import CONFIGS
+
+    folder = shutil.copytree(CONFIGS, a2rt.folder / "configs")
+    monkeypatch.setenv("A2RT_CONFIGS", str(folder))
+
+    def measured() -> tuple[dict, dict]:
+        found = core.direction_map(["a2rt", "a2rt-literal"], 2, 20_000, a2rt.folder / "map.json")
+        return found, core.tester("a2rt")
+
+    wide, wide_tester = measured()
+    file = folder / "units" / "a2rt.toml"
+    file.write_text(file.read_text("utf-8").replace('"wide"', '"literal"'), encoding="utf-8")
+    literal, literal_tester = measured()
+    assert wide["units"]["a2rt"] != wide["units"]["a2rt-literal"]
+    assert literal["units"]["a2rt"] == literal["units"]["a2rt-literal"]
+    assert [one["precision"]["a2rt"]["origin"] for one in (wide, literal)] == ["wide", "literal"]
+    assert wide_tester["scale"] > 1 and literal_tester["scale"] == 1
+
+
+def test_figure_7_takes_the_shared_tree_once_and_prints_its_parts(a2rt):
+    words = ("fig7", "--scenes", "cornell", "--size", "16x16")
+    said = a2rt.ok("reproduce", *words, "-o", "out")
+    assert "tree, shared" in said and "without the tree that both share" in said
+    numbers = json.loads((a2rt.folder / "out/fig7/fig7.json").read_text(encoding="utf-8"))
+    (build,) = numbers["builds"]
+    assert build["tree"] > 0 and set(build["classify"]) == {"aqb8", "a2rt"}
+    assert pictures.load(a2rt.folder / "out" / "fig7" / "fig7.png").std() > 20
 
 
 def test_the_error_of_sampling_is_against_a_full_run(a2rt):

@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from a2rt_cli import console, formats, plotting
+from a2rt_cli import console, formats, plotting, results
 from a2rt_cli.engine import core
 from a2rt_cli.figures import Context, Drawn
 from a2rt_cli.report import charts
@@ -20,7 +20,7 @@ BINS = 18
 PAIRS = 4_000_000
 
 
-_TITLES = {"a2rt": "A²RT", "aqb8": "AQB8", "a2rt-literal": "A²RT as printed"}
+_TITLES = {"a2rt": "A²RT, our default", "aqb8": "AQB8", "a2rt-literal": "A²RT as printed"}
 # Exponent below which AQB8's 5-bit shift overflows its 32-bit integers (spec of its artifact).
 _AQB8_LIMIT = -16
 
@@ -142,24 +142,45 @@ def totals(found: dict[str, Any]) -> dict[str, dict[str, float]]:
     return out
 
 
+def origin_words(precision: dict[str, Any]) -> str:
+    """Names the design of the quantized origin: the paper's is an unsigned byte."""
+    if precision["origin"] == "literal":
+        return f"origin UINT{precision['origin_bits']}, as the paper's"
+    sign = ", signed" if precision["origin"] == "wide" else ", guarded"
+    return f"origin of {precision['origin_bits']} bits{sign}"
+
+
+def paper_rows(found: dict[str, Any], rates: dict[str, dict[str, float]]) -> list[dict]:
+    """The paper's numbers beside each design of A²RT, the paper's own first."""
+    designs = found["precision"]
+    rows = []
+    for unit in sorted(designs, key=lambda unit: designs[unit]["origin"] != "literal"):
+        ours = {
+            "fig6.redundant": (_ratio(rates, unit, "redundant"), "ratio of two rates, all pairs"),
+            "fig6.missed": (rates[unit]["missed_hits"], "sum over all pairs"),
+        }
+        for row in plotting.beside(NAME, []):
+            value, how = ours[row["id"]]
+            what = f"{row['what']}, {origin_words(designs[unit])}"
+            rows.append({**row, "what": what, "unit": unit, "ours": value, "how": how})
+    return rows
+
+
 def draw(context: Context) -> Drawn:
     raw = context.out / f"{NAME}-directions.json"
     units = [unit for unit in context.experiment.units if unit != "baseline"]
     with console.step("Testing boxes over all directions") as shown:
         found = core.direction_map(units, BINS, PAIRS, raw, shown)
+    # In the experiment's order; the file's is the alphabet's.
+    found["units"] = {unit: found["units"][unit] for unit in units}
     files = [*_draw_maps(found, context.out), *_draw_near_axis(found, context.out)]
     rates = totals(found)
-    rows = plotting.beside(NAME, [])
-    ours = {
-        "fig6.redundant": _ratio(rates, "redundant"),
-        "fig6.missed": rates.get("a2rt", {}).get("missed_hits"),
-    }
-    for row in rows:
-        row["ours"] = ours.get(row["id"])
+    rows = paper_rows(found, rates)
     files.append(plotting.write_numbers(context.out, NAME, rows, totals=rates))
     cells = [
         (
             unit,
+            origin_words(found["precision"][unit]) if unit in found["precision"] else "",
             formats.percent(rate["redundant"], 3),
             formats.percent(rate["missed"], 3),
             formats.count(rate["missed_hits"]),
@@ -167,12 +188,10 @@ def draw(context: Context) -> Drawn:
         )
         for unit, rate in rates.items()
     ]
-    columns = ("unit", "redundant of misses", "missed of hits", "missed", "exact hits")
-    text = f"{console.table(columns, cells)}\n\n{plotting.beside_text(rows)}"
+    columns = ("unit", "design", "redundant of misses", "missed of hits", "missed", "exact hits")
+    text = f"{console.table(columns, cells, left=2)}\n\n{plotting.beside_text(rows)}"
     return Drawn(text, files)
 
 
-def _ratio(rates: dict[str, dict[str, float]], key: str) -> float | None:
-    if "a2rt" not in rates or not rates.get("aqb8", {}).get(key):
-        return None
-    return rates["a2rt"][key] / rates["aqb8"][key]
+def _ratio(rates: dict[str, dict[str, float]], unit: str, key: str) -> float | None:
+    return results.ratio(rates[unit][key], rates.get("aqb8", {}).get(key))

@@ -7,9 +7,12 @@ paper prints for the whole ray tracing unit.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from a2rt_cli import console, energy_table, formats, plotting
 from a2rt_cli.config_table import Table
 from a2rt_cli.energy_table import Row
+from a2rt_cli.engine import core
 from a2rt_cli.figures import Context, Drawn
 from a2rt_cli.paths import CONFIGS, config_folder
 
@@ -79,36 +82,66 @@ def _block_table(ours: dict[str, float]) -> str:
     return console.table(columns, cells)
 
 
-def _qbox(rows: dict[str, Row]) -> list[dict]:
-    """The two ratios that the paper prints; ours come from published rows."""
-    a2rt, aqb8 = rows["qbox_a2rt"], rows["qbox_aqb8"]
-    ours = {
-        "table2.area": a2rt.area_um2 / aqb8.area_um2,
-        "table2.power": a2rt.power_mw / aqb8.power_mw,
+def _qbox(rows: dict[str, Row], simulated: Row) -> list[dict]:
+    """The two ratios that the paper prints, of its own row and of the row we simulate with."""
+    out = []
+    for name, a2rt in (("published row", rows["qbox_a2rt"]), ("row simulated", simulated)):
+        aqb8 = rows["qbox_aqb8"]
+        ours = {
+            "table2.area": a2rt.area_um2 / aqb8.area_um2,
+            "table2.power": a2rt.power_mw / aqb8.power_mw,
+        }
+        for row in plotting.beside(NAME, []):
+            what = f"{row['what']}, {name}"
+            out.append({**row, "what": what, "ours": ours[row["id"]], "how": a2rt.note})
+    return out
+
+
+def _simulated(published: Row) -> tuple[Row, str]:
+    """The tester of the unit a2rt as configured, and in words how it follows from the table's."""
+    tester = core.tester("a2rt")
+    scaled = {key: tester[key] for key in ("area_um2", "energy_pj", "leak_uw", "note", "source")}
+    words = (
+        f"a2rt is simulated with {tester['scale']:.2f} times the published QBOX: its boxes have "
+        f"{tester['box_bits']} bits and\nits origins {tester['origin_bits']} ({tester['origin']}), "
+        "where the paper's have 8; scaled by a count of gates, so that it is "
+        f"{tester['note']}."
+    )
+    return replace(published, **scaled), words
+
+
+def _said(rows: dict[str, Row]) -> str:
+    """What the notes of the rows mean for what is shown."""
+    by_note: dict[str, list[str]] = {}
+    for component in (*ENGINE, "qbox_aqb8"):
+        name = ENGINE.get(component, ("", "AQB8's QBOX"))[1]
+        by_note.setdefault(rows[component].note, []).append(name)
+    meaning = {
+        "published": "their agreement with the paper says only that they were copied right",
+        "estimated": "the paper's ray tracing unit less its QBOXes, shared out by operator counts, "
+        "so that\ntheir sum meets the paper's by construction",
+        "synthesised": "made from our own RTL",
     }
-    found = plotting.beside(NAME, [])
-    for row in found:
-        row["ours"] = ours[row["id"]]
-    return found
+    said = [f"{', '.join(names)}: {note}, {meaning[note]}." for note, names in by_note.items()]
+    said.append(
+        "Powers take one test a cycle. Memories are charged by energy per access, not by area "
+        "(a2rt_core/energy_tables/SOURCES.md)."
+    )
+    return "\n".join(said)
 
 
 def draw(context: Context) -> Drawn:
     rows = energy_table.first_rows()
     engine, total = _engine_table(rows, counts())
-    qbox = _qbox(rows)
-    said = (
-        f"Both QBOX rows are {rows['qbox_a2rt'].note}: their agreement says only that they were "
-        "copied right.\nBOX, ray quantizer and TRI are estimated: the paper's ray tracing unit "
-        "less its QBOXes, shared out by\noperator counts, so that their sum meets the paper's by "
-        "construction. Powers take one test a cycle.\nMemories are charged by energy per access, "
-        "not by area (a2rt_core/energy_tables/SOURCES.md)."
-    )
+    simulated, words = _simulated(rows["qbox_a2rt"])
+    qbox = _qbox(rows, simulated)
     parts = [
         "Blocks of the accelerator:\n" + _block_table(total),
         f"Our table of the ray tracing unit (counts of lumibench_configs/gpus/{GPU}.toml):\n"
         + engine,
         "QBOX's computing part, A²RT against AQB8:\n" + plotting.beside_text(qbox),
-        said,
+        words,
+        _said(rows),
     ]
     file = plotting.write_numbers(context.out, NAME, qbox, engine=total)
     return Drawn("\n\n".join(parts), [file])
