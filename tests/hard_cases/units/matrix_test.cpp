@@ -106,10 +106,10 @@ std::uint64_t by_mechanism(const Audit& audit, const std::string& mechanism) {
 }
 
 void expect_pictures(const std::map<std::string, std::uint64_t>& mechanisms) {
-  for (const auto& [mechanism, count] : mechanisms) {
+  for (const auto& one : mechanisms) {
     EXPECT_TRUE(std::any_of(views().begin(), views().end(),
-                            [&](const View& view) { return view.mechanism == mechanism; }))
-        << "no picture shows: " << mechanism;
+                            [&](const View& view) { return view.mechanism == one.first; }))
+        << "no picture shows: " << one.first;
   }
 }
 
