@@ -40,8 +40,8 @@ function placed(values, scale, from, to) {
 
 function written(value, kind) {
   if (value === null || value === undefined) return "–";
-  if (kind === "percent") return Number((value * 100).toPrecision(3)) + " %";
-  if (kind === "ratio") return (value * 100).toFixed(1) + " %";
+  if (kind === "percent") return Number((value * 100).toPrecision(3)) + "\u00a0%";
+  if (kind === "ratio") return (value * 100).toFixed(1) + "\u00a0%";
   if (kind === "small") return String(Number(value.toPrecision(2)));
   if (value >= 1e12) return (value / 1e12).toPrecision(3) + " T";
   if (value >= 1e9) return (value / 1e9).toPrecision(3) + " G";
