@@ -30,6 +30,25 @@ if(A2RT_SANITIZE)
   target_link_options(a2rt_build_flags INTERFACE -fsanitize=${A2RT_SANITIZE})
 endif()
 
+# Set-up turns this on: most of a file's compile time goes to headers that its neighbours include
+# too. Off for development, where one changed file should compile alone.
+option(A2RT_TOGETHER "Compile the files of a library several at a time" OFF)
+
+# a2rt_compile_together(TARGET)
+# Allows it for one library; its files then share their anonymous namespaces.
+function(a2rt_compile_together TARGET)
+  if(A2RT_TOGETHER)
+    set_target_properties(${TARGET} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+  endif()
+endfunction()
+
+# a2rt_compile_quickly(SOURCES ...)
+# For files that run once a command and consist of large header libraries: optimising them takes as
+# long as everything else about them, and nothing would run noticeably faster.
+function(a2rt_compile_quickly)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O0)
+endfunction()
+
 # a2rt_room(NAME SOURCES ... [DEPENDS ...] [PRIVATE_DEPENDS ...])
 # One room of a2rt_core: library a2rt_NAME, alias a2rt::NAME, headers in include/a2rt/NAME.
 # DEPENDS must follow  base <- arith <- bvh <- rt <- timing <- energy  (tests/repo checks it).

@@ -37,10 +37,6 @@ VerdictEntry entry(VerdictAction action, float tmin = 0, float tmax = 0) {
   return {static_cast<std::uint32_t>(action), tmin, tmax, 0};
 }
 
-bool keeps(const VerdictEntry& e) {
-  return e.action == static_cast<std::uint32_t>(VerdictAction::kKeep);
-}
-
 bool same_entry(const VerdictEntry& a, const VerdictEntry& b) {
   return a.action == b.action && a.tmin == b.tmin && a.tmax == b.tmax;
 }

@@ -17,10 +17,6 @@ using capture::VerdictFileHeader;
 
 constexpr VerdictEntry kKeepEntry{static_cast<std::uint32_t>(VerdictAction::kKeep), 0, 0, 0};
 
-bool keeps(const VerdictEntry& entry) {
-  return entry.action == static_cast<std::uint32_t>(VerdictAction::kKeep);
-}
-
 template <class T>
 void put(std::ofstream& out, const T* data, std::size_t count) {
   out.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(count * sizeof(T)));

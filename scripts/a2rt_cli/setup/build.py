@@ -47,7 +47,7 @@ def configure(tests: bool) -> None:
             (BUILD / name).unlink(missing_ok=True)
         shutil.rmtree(BUILD / "CMakeFiles", ignore_errors=True)
     command = ["cmake", "-S", str(ROOT), "-B", str(BUILD), "-G", "Ninja"]
-    command += ["-DCMAKE_BUILD_TYPE=Release"]
+    command += ["-DCMAKE_BUILD_TYPE=Release", "-DA2RT_TOGETHER=ON"]
     if tests:
         command += ["-DA2RT_BUILD_TESTS=ON", f"-DA2RT_PYTHON={venv_python()}"]
     run_logged(command, LOGS / "setup-build.log", what="configuring the build", remedy=_REMEDY)

@@ -11,6 +11,11 @@
 
 namespace a2rt {
 
+// Whether the driver's own traversal of the ray is right.
+inline bool keeps(const capture::VerdictEntry& entry) {
+  return entry.action == static_cast<std::uint32_t>(capture::VerdictAction::kKeep);
+}
+
 // A verdict file in memory (layout: capture/records.h). Rays that it does not name are kept.
 class VerdictTable {
  public:
