@@ -1,7 +1,7 @@
 """Write the HTML report of a folder of results.
 
-The page is one self-contained file: it works offline, prints well, and holds its pictures. A sweep's
-folder gets the page of its price list, any other that of a comparison.
+The page is one self-contained file: it works offline, prints well, and holds its pictures. The
+folder of a sweep gets the page of its price list, any other that of a comparison.
 """
 
 from __future__ import annotations
