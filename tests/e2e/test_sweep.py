@@ -14,9 +14,7 @@ from a2rt_cli.engine.capture import Captured
 from a2rt_cli.paths import BUILD, SCRIPTS
 from a2rt_cli.sweep import plan, search
 
-snakemake = pytest.importorskip(
-    "snakemake", reason="scripts/requirements-sweep.txt is missing"
-)
+snakemake = pytest.importorskip("snakemake", reason="scripts/requirements-sweep.txt is missing")
 
 TINY = """title = "tiny"
 scenes = ["cornell"]
@@ -45,9 +43,7 @@ def tiny(a2rt) -> Path:
 
 def test_a_sweep_runs_each_point_once_and_writes_a_page_that_works(a2rt, tiny):
     a2rt.ok("sweep", tiny, "-o", "out")
-    found = json.loads(
-        (a2rt.folder / "out" / "results.json").read_text(encoding="utf-8")
-    )
+    found = json.loads((a2rt.folder / "out" / "results.json").read_text(encoding="utf-8"))
     # The default of a knob is the unit as configured: baseline, a2rt, a2rt with 6 bits.
     assert len(found) == 3
     points = sorted((a2rt.folder / "out" / "points").glob("*.json"))
@@ -71,9 +67,7 @@ def test_a_killed_sweep_goes_on_and_repeats_nothing(a2rt, tiny):
         "1",
     ]
     env = {**os.environ, "A2RT_NO_SETUP": "1", "A2RT_BUILD_DIR": str(BUILD)}
-    running = subprocess.Popen(
-        command, cwd=a2rt.folder, env=env, stderr=subprocess.DEVNULL
-    )
+    running = subprocess.Popen(command, cwd=a2rt.folder, env=env, stderr=subprocess.DEVNULL)
     points = a2rt.folder / "out" / "points"
     deadline = time.monotonic() + 120
     while not list(points.glob("*.json")):
@@ -105,16 +99,12 @@ most_extra_redundant = 0.01
     tiny.write_text(TINY + search, encoding="utf-8")
     a2rt.ok("sweep", tiny, "--search", "--trials", "4", "-o", "out")
     said = a2rt.ok("sweep", tiny, "--search", "--trials", "6", "-o", "out")
-    summary = json.loads(
-        (a2rt.folder / "out" / "search.json").read_text(encoding="utf-8")
-    )
+    summary = json.loads((a2rt.folder / "out" / "search.json").read_text(encoding="utf-8"))
     assert len(summary["trials"]) == 6
     limit = summary["default"]["redundant"] * 1.01
     within = [trial for trial in summary["trials"] if trial["within_budget"]]
     for trial in summary["trials"]:
-        assert trial["within_budget"] == (
-            trial["redundant"] <= limit and trial["lost"] == 0
-        )
+        assert trial["within_budget"] == (trial["redundant"] <= limit and trial["lost"] == 0)
     # 4 bits are the cheapest in bytes, but let through more than the budget allows.
     assert summary["best"]["cost"] == min(trial["cost"] for trial in within)
     assert summary["best"]["parameters"]["precision.box_bits"] != 4
@@ -178,17 +168,13 @@ def test_a_missing_point_is_run_again(a2rt, tiny):
 
 
 def test_the_slurm_profile_plans_the_experiment(a2rt):
-    said = a2rt.ok(
-        "sweep", "price-of-accuracy", "--profile", "slurm", "--dry-run", "-o", "out"
-    )
+    said = a2rt.ok("sweep", "price-of-accuracy", "--profile", "slurm", "--dry-run", "-o", "out")
     assert "dry run" in said
     assert not (a2rt.folder / "out" / "points").exists()
 
 
 def test_an_unknown_profile_is_refused(a2rt, tiny):
-    reply = a2rt(
-        "sweep", tiny, "--profile", "no-such-profile", "--dry-run", "-o", "out"
-    )
+    reply = a2rt("sweep", tiny, "--profile", "no-such-profile", "--dry-run", "-o", "out")
     assert reply.returncode == 2
     assert "no-such-profile" in reply.stderr
 
@@ -201,16 +187,12 @@ def test_another_size_is_another_sweep_in_the_same_folder(a2rt, tiny):
     a2rt.ok("sweep", tiny, "-o", "out")
     before = finished(a2rt.folder)
     a2rt.ok("sweep", tiny, "--size", "24x16", "-o", "out")
-    found = json.loads(
-        (a2rt.folder / "out" / "results.json").read_text(encoding="utf-8")
-    )
+    found = json.loads((a2rt.folder / "out" / "results.json").read_text(encoding="utf-8"))
     assert {one["workload"]["options"]["width"] for one in found} == {24}
     assert len(finished(a2rt.folder) - before) == len(found) == len(before)
 
 
-def test_a_dry_run_leaves_the_plan_of_the_folder_alone_and_counts_what_is_there(
-    a2rt, tiny
-):
+def test_a_dry_run_leaves_the_plan_of_the_folder_alone_and_counts_what_is_there(a2rt, tiny):
     a2rt.ok("sweep", tiny, "-o", "out")
     planned = (a2rt.folder / "out" / "plan.json").read_bytes()
     assert "3 points planned, 3 of them are there already" in a2rt.ok(
