@@ -157,7 +157,7 @@ def _lines(rows: Sequence[Price]) -> list[str]:
             tip = f"{series.name} at {label}: {(value - 1) * 100:+.2f} %"
             out.append(_marker(series.marker, x, at, series.colour, tip))
             if value - 1 > high and series is shown[0][0]:
-                lift = 8 + 10 * (index % 2)  # neighbours must not touch
+                lift = 6 + 9 * (index % 2)  # neighbours must not touch
                 out.append(_text(x, at - lift, f"{(value - 1) * 100:+.0f}%", cls="t small"))
         ends.append((dots[-1][1], series, dots[-1][3]))
     out += _names(ends) + _ticks(rows, xs)
