@@ -18,6 +18,7 @@ COLUMNS = [
     "capture s",
     "capture bytes",
     "simulate s",
+    "both s",
     "picture",
     "rays and results",
 ]
@@ -26,8 +27,9 @@ NOTE = (
     "off. Compile: pipeline, and what the first frame costs more than the second. Capture: the "
     "whole program under the layer, compiling included. Simulate: the whole simulation with just "
     "the parts called for, and with all parts; the least of three runs. A part without work costs "
-    "the host next to nothing: differences of a few percent there are within the noise. Both "
-    "captures hold the same rays, so their size hardly differs."
+    "the host next to nothing: differences there are noise, and what is saved is saved in the "
+    "capture. Both: capture and simulation together. Both captures hold the same rays, so their "
+    "size hardly differs."
 )
 
 
@@ -52,20 +54,22 @@ def same(row: dict[str, Any]) -> bool:
 def cells(row: dict[str, Any]) -> list[str]:
     auto, everything = row["auto"], row["all"]
 
-    def both(key: str, write: Any) -> str:
-        share = auto[key] / everything[key] if everything[key] else None
-        text = f"{write(auto[key])} / {write(everything[key])}"
-        return f"{text} ({formats.percent(share, 0)})"
+    def both(write: Any, *keys: str) -> str:
+        mine, all_of_it = (sum(run[key] for key in keys) for run in (auto, everything))
+        share = mine / all_of_it if all_of_it else None
+        return f"{write(mine)} / {write(all_of_it)} ({formats.percent(share, 0)})"
 
+    seconds = "{:.2f}".format
     differ = [*row["rays_differ_in"], *row["results_differ_in"]]
     return [
         f"{row['scene']} ({row['workload']})",
         formats.count(auto["rays"]),
         f"{len(auto['stages'])} / {len(everything['stages'])}",
-        both("compile_seconds", "{:.2f}".format),
-        both("capture_seconds", "{:.2f}".format),
-        both("capture_bytes", formats.size),
-        both("simulate_seconds", "{:.2f}".format),
+        both(seconds, "compile_seconds"),
+        both(seconds, "capture_seconds"),
+        both(formats.size, "capture_bytes"),
+        both(seconds, "simulate_seconds"),
+        both(seconds, "capture_seconds", "simulate_seconds"),
         "identical" if row["pictures_identical"] else "DIFFERS",
         f"differ in {', '.join(differ)}" if differ else f"identical, {auto['cycles']:,} cycles",
     ]
