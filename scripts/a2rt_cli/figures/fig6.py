@@ -55,7 +55,7 @@ def _map(axes, grid, title: str, high: float):
     axes.set_facecolor("#eef1f5")
     if not np.nansum(grid):
         axes.text(0.25, 0.25, "none in any direction", ha="center", va="center", color="#5b6577")
-    axes.set_title(title, loc="left", fontsize=10)
+    axes.set_title(title, loc="left", fontsize=8.5)
     ticks = [0, 0.125, 0.25, 0.375, 0.5]
     words = ["0", "π/8", "π/4", "3π/8", "π/2"]
     axes.set_xticks(ticks, words)
