@@ -202,7 +202,7 @@ TEST_F(L1, a_spilled_stack_sector_is_kept_and_written_back_when_evicted) {
 
 TEST_F(L1, an_answer_nobody_asked_for_is_an_error) {
   build();
-  EXPECT_THROW(uut->fill(Cycles{0}, Cycles{0}, Address{0}, 1), InternalError);
+  EXPECT_THROW(uut->fill(Cycles{0}, Address{0}, 1), InternalError);
 }
 
 TEST_F(L1, an_unanswered_read_fails_the_drain_check) {

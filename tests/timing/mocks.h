@@ -57,7 +57,7 @@ class FixedLower final : public LowerLevel, public Component {
     }
   }
   void wake(Cycles now, std::uint32_t, std::uint32_t value) override {
-    sink->fill(now, now, seen[value].line, seen[value].sectors);
+    sink->fill(now, seen[value].line, seen[value].sectors);
   }
   std::string dump() const override { return "fixed lower level\n"; }
   void check_drained() const override {}

@@ -202,10 +202,10 @@ void L1Cache::insert(Cycles now, Address line, SectorMask sectors, Traffic kind,
 
 // Tells every waiter which of its sectors came, and when. Clients only note it; they read again in
 // their own time.
-void L1Cache::answer(Cycles now, Cycles first, Pending& pending, SectorMask sectors) {
+void L1Cache::answer(Cycles now, Pending& pending, SectorMask sectors) {
   SectorTimes arrives{};
   std::uint64_t i = 0;
-  for_each_sector(sectors, [&](std::uint32_t s) { arrives[s] = first + Cycles{i++}; });
+  for_each_sector(sectors, [&](std::uint32_t s) { arrives[s] = now + Cycles{i++}; });
   std::uint32_t* link = &pending.first;
   pending.last = kNil;
   while (*link != kNil) {
@@ -230,7 +230,7 @@ void L1Cache::answer(Cycles now, Cycles first, Pending& pending, SectorMask sect
   }
 }
 
-void L1Cache::fill(Cycles now, Cycles first, Address line, SectorMask sectors) {
+void L1Cache::fill(Cycles now, Address line, SectorMask sectors) {
   const std::uint32_t index = find(line_of(line));
   A2RT_CHECK(index != kNil && (pending_[index].sectors & sectors) == sectors,
              "L1 was sent a sector it did not ask for");
@@ -244,7 +244,7 @@ void L1Cache::fill(Cycles now, Cycles first, Address line, SectorMask sectors) {
   }
   pending.sectors = static_cast<SectorMask>(pending.sectors & ~sectors);
   for_each_sector(sectors, [&](std::uint32_t s) { pending.merged[s] = 0; });
-  answer(now, first, pending, sectors);
+  answer(now, pending, sectors);
   if (pending.sectors == 0) {
     A2RT_CHECK(pending.first == kNil, "L1 reads wait for a sector that nobody fetches");
     std::uint32_t* link = &buckets_[bucket(pending.line)];

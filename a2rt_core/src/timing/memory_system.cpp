@@ -126,7 +126,7 @@ void MemorySystem::enter_sm(Cycles now, std::uint32_t index) {
   release(index);
   sm_calendars_[sm]->progress();
   crossbar_sectors_ += sectors_in(sectors);
-  sinks_[sm]->fill(now, now, line, sectors);
+  sinks_[sm]->fill(now, line, sectors);
 }
 
 // L2 cycle in which the first of so many sectors is looked up; the others follow one by one.

@@ -49,7 +49,7 @@ class L1Cache final : public LineSink {
               L1Client& client, std::uint32_t token);
   void write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind);
 
-  void fill(Cycles now, Cycles first, Address line, SectorMask sectors) override;
+  void fill(Cycles now, Address line, SectorMask sectors) override;
 
   const CacheCounts& counts() const { return counts_; }
   const TagStore& tags() const { return tags_; }
@@ -95,7 +95,7 @@ class L1Cache final : public LineSink {
   // Takes `sectors` as misses as far as there is room; returns those taken.
   SectorMask take_misses(std::uint32_t& pending, Address line, SectorMask sectors, Traffic kind);
   void add_waiter(Pending& pending, const Waiter& waiter);
-  void answer(Cycles now, Cycles first, Pending& pending, SectorMask sectors);
+  void answer(Cycles now, Pending& pending, SectorMask sectors);
   void insert(Cycles now, Address line, SectorMask sectors, Traffic kind, bool dirty);
 
   L1Config config_;

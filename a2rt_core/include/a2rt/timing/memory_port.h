@@ -38,8 +38,8 @@ void for_each_sector(SectorMask mask, const F& f) {
 class LineSink {
  public:
   virtual ~LineSink() = default;
-  // The i-th sector of the mask (ascending) is there in cycle `first` + i; first >= now.
-  virtual void fill(Cycles now, Cycles first, Address line, SectorMask sectors) = 0;
+  // The i-th sector of the mask (ascending) is there in cycle `now` + i.
+  virtual void fill(Cycles now, Address line, SectorMask sectors) = 0;
 };
 
 // What is below a cache.
