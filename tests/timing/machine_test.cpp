@@ -104,9 +104,9 @@ TEST(Machine, the_sm_that_is_free_first_gets_the_next_warp_however_long_the_stre
   }
   const Workload w = shaders_only(96, {shader(capture::Stage::kRayGeneration)}, segments);
   const Cycles both = config.sm.alu_latency * 110 + Cycles{2};
-  for (const std::uint64_t latency : {1, 160, 100'000}) {
-    config.l2.latency = Cycles{latency};
-    EXPECT_EQ(cycles_of(w, source, config), both) << latency;
+  for (const Cycles latency : {Cycles{1}, Cycles{160}, Cycles{100'000}}) {
+    config.l2.latency = latency;
+    EXPECT_EQ(cycles_of(w, source, config), both) << latency.value;
   }
 }
 
