@@ -128,7 +128,7 @@ class Sampler {
     c.direction = direction;
     double target[3], extent[3];
     double diagonal = 0;
-    for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
       const double lo = uniform() * 20 - 10;
       extent[axis] = std::exp2(uniform() * 6 - 3);
       const double a = uniform(), b = uniform();
@@ -140,14 +140,14 @@ class Sampler {
       diagonal += extent[axis] * extent[axis];
     }
     const double back = uniform() * 4 * std::sqrt(diagonal);
-    for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
       c.origin[axis] = static_cast<float>(target[axis] - back * direction[axis]);
     }
     return c;
   }
 
  private:
-  static float between(const Box& box, int axis, double share) {
+  static float between(const Box& box, std::size_t axis, double share) {
     const double lo = box.lo[axis], hi = box.hi[axis];
     return std::min(box.hi[axis], static_cast<float>(lo + share * (hi - lo)));
   }

@@ -153,24 +153,24 @@ void L1Cache::enter_all(Cycles now, Port& port, Address line, Lookup& lookup) {
 
 // enter_all() through a port of one sector a cycle.
 void L1Cache::enter_simple(Cycles now, Port& port, std::uint64_t base, Lookup& lookup) {
+  if (lookup.accepted == 0) {
+    return;
+  }
+  const Cycles answered = banks_.base() + config_.latency;
   std::uint64_t ahead = port.next(now).value - banks_.base().value;
-  std::uint32_t rest = lookup.accepted;
-  std::uint64_t last = ahead;
-  for (; rest != 0; rest &= rest - 1, ++ahead) {
+  for (std::uint32_t rest = lookup.accepted; rest != 0; rest &= rest - 1, ++ahead) {
     const auto s = static_cast<std::uint32_t>(std::countr_zero(rest));
     std::uint64_t& taken = banks_.bits(banks_.of(base + s));
-    A2RT_CHECK(ahead < 64, "a bank was asked about a cycle it does not hold");
-    const auto wait = static_cast<std::uint64_t>(std::countr_one(taken >> ahead));
+    // Cycles beyond what the bank holds read as taken.
+    const std::uint64_t open = ahead < 64 ? ~taken >> ahead : 0;
+    A2RT_CHECK(open != 0, "a bank was asked about a cycle it does not hold");
+    const auto wait = static_cast<std::uint64_t>(std::countr_zero(open));
     counts_.bank_conflicts += wait;
     ahead += wait;
-    A2RT_CHECK(ahead < 64, "a bank was asked about a cycle it does not hold");
     taken |= std::uint64_t{1} << ahead;
-    last = ahead;
-    lookup.ready[s] = banks_.base() + Cycles{ahead} + config_.latency;
+    lookup.ready[s] = answered + Cycles{ahead};
   }
-  if (lookup.accepted != 0) {
-    port.use_until(banks_.base() + Cycles{last}, sectors_in(lookup.accepted));
-  }
+  port.use_until(banks_.base() + Cycles{ahead - 1}, sectors_in(lookup.accepted));
 }
 
 void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind) {

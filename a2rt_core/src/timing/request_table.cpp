@@ -58,43 +58,55 @@ std::uint16_t RequestTable::obtain(Cycles now, std::uint64_t line, Traffic kind)
   return index;
 }
 
-void RequestTable::add_line(Cycles now, std::uint32_t lane, std::uint64_t line, SectorMask wanted,
-                            Traffic kind, Added& added) {
+void RequestTable::queue(std::uint16_t index) {
+  entries_[index].queue_next = kNil;
+  (first_ == kNil ? first_ : entries_[last_].queue_next) = index;
+  last_ = index;
+}
+
+RequestTable::Added RequestTable::add(Cycles now, std::uint32_t lane, std::uint64_t line,
+                                      SectorMask wanted, Traffic kind) {
   const std::uint16_t index = obtain(now, line, kind);
   Entry& entry = entries_[index];
   const std::uint32_t bit = 1u << lane;
+  Added added;
   SectorMask waits = wanted;
   if (entry.arriving != 0) {
     if (entry.known <= now) {
       entry.arriving = 0;
     } else if (const auto coming = static_cast<SectorMask>(wanted & entry.arriving); coming != 0) {
-      added.ready = std::max(added.ready, entry.known);
-      added.sectors += sectors_in(coming);
+      added.ready = entry.known;
+      added.sectors = sectors_in(coming);
       waits = static_cast<SectorMask>(wanted & ~coming);
       if (waits == 0) {
-        return;
+        return added;
       }
     }
   }
-  const bool was_busy = entry.busy(), was_queued = entry.to_send != 0;
-  SectorMask already = 0;
-  if (was_busy) {
+  if (!entry.busy()) {
     for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-      already = static_cast<SectorMask>(already | (entry.lanes[s] >> lane & 1) << s);
+      entry.lanes[s] = (waits >> s & 1) * bit;
     }
+    added.sectors += sectors_in(waits);
+    added.lines = 1;
+    entry.to_send = waits;
+    queue(index);
+    ++live_;
+    return added;
   }
+  SectorMask already = 0;
   for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-    entry.lanes[s] |= (waits >> s & 1) != 0 ? bit : 0;
+    already = static_cast<SectorMask>(already | (entry.lanes[s] >> lane & 1) << s);
+    entry.lanes[s] |= (waits >> s & 1) * bit;
   }
   added.sectors += sectors_in(static_cast<SectorMask>(waits & ~already));
-  added.lines += already == 0;
+  added.lines = already == 0;
+  const bool was_queued = entry.to_send != 0;
   entry.to_send = static_cast<SectorMask>(entry.to_send | (waits & ~entry.in_flight));
   if (!was_queued && entry.to_send != 0) {
-    entry.queue_next = kNil;
-    (first_ == kNil ? first_ : entries_[last_].queue_next) = index;
-    last_ = index;
+    queue(index);
   }
-  live_ += !was_busy;
+  return added;
 }
 
 RequestTable::Next RequestTable::next() const {

@@ -13,26 +13,7 @@ std::uint32_t share(std::uint32_t total, std::uint32_t index, std::uint32_t unit
   return total / units + (index < total % units ? 1 : 0);
 }
 
-constexpr std::ptrdiff_t kEventsPerHostLine = 64 / sizeof(Event);
-
-// The tester an event goes to; kCount if it is not a test.
-constexpr auto kTesterOf = [] {
-  std::array<Tester, static_cast<std::size_t>(EventKind::kCount)> testers{};
-  testers.fill(Tester::kCount);
-  const auto set = [&](EventKind kind, Tester tester) {
-    testers[static_cast<std::size_t>(kind)] = tester;
-  };
-  set(EventKind::kBoxTest, Tester::kBox);
-  set(EventKind::kQBoxTest, Tester::kQBox);
-  set(EventKind::kTriangleTest, Tester::kTriangle);
-  set(EventKind::kRaySetup, Tester::kSetup);
-  set(EventKind::kQuantizeRay, Tester::kQuantizer);
-  set(EventKind::kAnchorTest, Tester::kAnchor);
-  set(EventKind::kUpdate, Tester::kUpdate);
-  set(EventKind::kDequantize, Tester::kDequantize);
-  set(EventKind::kTransform, Tester::kTransform);
-  return testers;
-}();
+constexpr std::ptrdiff_t kOpsPerHostLine = 64 / sizeof(LaneOp);
 
 }  // namespace
 
@@ -79,24 +60,34 @@ void RtEngine::accept(Cycles now, std::uint32_t warp, LaneRays rays) {
   slot.arrived = now;
   ++resident_;
   ++counts_.warps;
-  for (std::uint32_t l = 0; l < kLanes; ++l) {
-    Lane& lane = slot.lanes[l];
-    lane = {};
-    lane.since = lane.started = lane.ready = now;
-    lane.ray = rays[l];
-    slot.events[l].clear();
-    if (rays[l] != kNone) {
-      source_.events(rays[l], slot.events[l]);
-      ++slot.active;
-      ++counts_.rays;
-    }
-  }
+  compile(now, slot, rays);
   A2RT_CHECK(slot.active > 0, "a warp without rays was sent to the RT unit");
   for (std::uint32_t l = 0; l < kLanes; ++l) {
     if (rays[l] != kNone) {
       set_state(now, slot.lanes[l], LaneState::kRun);
       run_lane(now, now, index, l);
     }
+  }
+}
+
+void RtEngine::compile(Cycles now, Slot& slot, const LaneRays& rays) {
+  std::array<std::size_t, kLanes> first{};
+  slot.ops.clear();
+  for (std::uint32_t l = 0; l < kLanes; ++l) {
+    slot.lanes[l] = {};
+    slot.lanes[l].since = slot.lanes[l].started = slot.lanes[l].ready = now;
+    slot.lanes[l].ray = rays[l];
+    first[l] = slot.ops.size();
+    if (rays[l] != kNone) {
+      events_.clear();
+      source_.events(rays[l], events_);
+      compile_lane(events_, config_.rt.context, op_counts_, slot.ops);
+      ++slot.active;
+      ++counts_.rays;
+    }
+  }
+  for (std::uint32_t l = 0; l < kLanes; ++l) {
+    slot.lanes[l].op = slot.ops.data() + first[l];
   }
 }
 
@@ -148,7 +139,7 @@ void RtEngine::appoint(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t 
 
 Cycles RtEngine::issue(Cycles at, Tester tester, std::uint32_t count) {
   TesterPool& pool = pools_[static_cast<std::size_t>(tester)];
-  if (!pool.exists()) {
+  if (!pool.exists()) [[unlikely]] {
     throw UserError("the RT unit needs a tester that the machine does not have: set rt.testers." +
                     std::string(tester_name(tester)) + ".count above 0");
   }
@@ -157,47 +148,41 @@ Cycles RtEngine::issue(Cycles at, Tester tester, std::uint32_t count) {
 
 // Works out what concerns nobody else: tests, whose testers are reserved, and stack entries kept on
 // chip, which cost no time. Returns when the lane is through with them.
-Cycles RtEngine::run_tests(Cycles now, Cycles at, Lane& lane, const std::vector<Event>& events) {
+Cycles RtEngine::run_ahead(Cycles now, Cycles at, Lane& lane) {
   const Cycles start = at;
   // Reservations may be out of order by so much only; the rest is worked out when time has come.
   const Cycles horizon = now + Cycles{TesterPool::kDisorder};
-  while (lane.step < lane.steps && at < horizon) {
-    const Step step = lane.step_list[lane.step++];
-    at = issue(at, step.tester, step.count);
-  }
-  const Event* event = events.data() + lane.cursor;
-  const Event* const end = events.data() + events.size();
-  for (; event != end && at < horizon; ++event) {
-    if (const Tester tester = kTesterOf[static_cast<std::size_t>(event->kind)];
-        tester != Tester::kCount) {
-      ++counts_.events[static_cast<std::size_t>(event->kind)];
-      const Cycles from = at;
-      at = event->count > 0 ? issue(from, tester, event->count) : at;
-      // FP32 and quantized boxes of one node do not depend on each other: both start at once.
-      if (event->kind == EventKind::kBoxTest && event + 1 != end &&
-          event[1].kind == EventKind::kQBoxTest) {
-        ++event;
-        ++counts_.events[static_cast<std::size_t>(EventKind::kQBoxTest)];
-        at = std::max(at, issue(from, Tester::kQBox, event->count));
-      }
-    } else if (event->kind == EventKind::kPop && event->count <= lane.stack) {
-      lane.stack -= event->count;
-      counts_.stack_popped += event->count;
-      ++counts_.events[static_cast<std::size_t>(EventKind::kPop)];
-    } else if (event->kind == EventKind::kPush &&
-               (config_.rt.stack_entries == 0 ||
-                lane.stack + event->count <= config_.rt.stack_entries)) {
-      lane.stack += event->count;
-      counts_.stack_pushed += event->count;
-      ++counts_.events[static_cast<std::size_t>(EventKind::kPush)];
-    } else if (event->kind == EventKind::kContextPop && event->count == 0) {
-      A2RT_CHECK(lane.context + lane.context_spilled > 0, "a ray forgets a context it never saved");
-      --(lane.context > 0 ? lane.context : lane.context_spilled);
-    } else {
-      break;
+  const LaneOp* next = lane.op;
+  for (bool more = true; more && at < horizon;) {
+    const LaneOp op = *next;
+    switch (op.code()) {
+      case LaneOp::Code::kTest:
+        at = issue(at, op.tester(), op.count());
+        break;
+      case LaneOp::Code::kTestPair:
+        at = std::max(issue(at, Tester::kBox, op.count()), issue(at, Tester::kQBox, op.second()));
+        break;
+      case LaneOp::Code::kPop:
+        more = op.count() <= lane.stack;
+        lane.stack -= more ? op.count() : 0;
+        counts_.stack_popped += more ? op.count() : 0;
+        break;
+      case LaneOp::Code::kPush:
+        more = config_.rt.stack_entries == 0 || lane.stack + op.count() <= config_.rt.stack_entries;
+        lane.stack += more ? op.count() : 0;
+        counts_.stack_pushed += more ? op.count() : 0;
+        break;
+      case LaneOp::Code::kForgetContext:
+        A2RT_CHECK(lane.context + lane.context_spilled > 0,
+                   "a ray forgets a context it never saved");
+        --(lane.context > 0 ? lane.context : lane.context_spilled);
+        break;
+      default:
+        more = false;
     }
+    next += more;
   }
-  lane.cursor = static_cast<std::uint32_t>(event - events.data());
+  lane.op = next;
   if (at > start) {
     book_lane(lane, at, LaneReason::kTest);
     testing_.mark(start, at);
@@ -208,116 +193,118 @@ Cycles RtEngine::run_tests(Cycles now, Cycles at, Lane& lane, const std::vector<
 void RtEngine::run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t l) {
   calendar_.progress();
   Lane& lane = slots_[slot]->lanes[l];
-  const std::vector<Event>& events = slots_[slot]->events[l];
   while (true) {
-    at = run_tests(now, at, lane, events);
+    if (lane.op->ahead()) {
+      at = run_ahead(now, at, lane);
+    }
     if (at > now) {
       appoint(now, at, slot, l);
       return;
     }
-    if (lane.cursor == events.size()) {
-      end_ray(now, slot, l);
-      return;
-    }
-    const Event& event = events[lane.cursor++];
-    ++counts_.events[static_cast<std::size_t>(event.kind)];
-    if (do_event(now, slot, l, event)) {
+    if (carry_out(now, slot, l, *lane.op++)) {
       return;
     }
   }
 }
 
-bool RtEngine::do_event(Cycles now, std::uint32_t slot, std::uint32_t l, const Event& event) {
-  switch (event.kind) {
-    case EventKind::kFetch:
-      if (event.traffic == Traffic::kResult) {
-        store(now, Address{event.address}, event.bytes, Traffic::kResult);
-        return false;
+bool RtEngine::carry_out(Cycles now, std::uint32_t slot, std::uint32_t l, LaneOp op) {
+  Slot& s = *slots_[slot];
+  Lane& lane = s.lanes[l];
+  switch (op.code()) {
+    case LaneOp::Code::kRead:
+      begin_read(now, lane);
+      want(now, s, l, op.line(), op.sectors(), op.kind());
+      while (!op.last()) {
+        op = *lane.op++;
+        want(now, s, l, op.line(), op.sectors(), op.kind());
       }
-      return fetch(now, slot, l, Address{event.address}, event.bytes, event.traffic);
-    case EventKind::kEscape:
-      return false;  // the unit emits the dequantizations and FP32 tests that it causes
-    case EventKind::kPush:
-      push(now, slot, l, event.count);
+      // Many other lanes have their turn until this one reads on.
+      __builtin_prefetch(lane.op + kOpsPerHostLine);
+      await(now, slot, l);
+      return true;
+    case LaneOp::Code::kStore:
+      stores_.push_back({op.line(), op.sectors(), op.kind()});
+      kick_port(now);
       return false;
-    case EventKind::kPop:
-      return pop(now, slot, l, event.count);
-    case EventKind::kContextPush:
+    case LaneOp::Code::kPush:
+      push(now, slot, l, op.count());
+      return false;
+    case LaneOp::Code::kPop:
+      return pop(now, slot, l, op.count());
+    case LaneOp::Code::kPushContext:
       push_context(now, slot, l);
       return false;
-    case EventKind::kContextPop:
-      return pop_context(now, slot, l, event);
-    case EventKind::kAnyHit:
-    case EventKind::kIntersection:
-      return suspend(now, slot, l, event);
+    case LaneOp::Code::kPopContext:
+      return pop_context(now, slot, l);
+    case LaneOp::Code::kRefetchContext:
+      A2RT_CHECK(lane.context > 0, "a ray restores a context it never saved");
+      --lane.context;
+      ++counts_.context_refetches;
+      counts_.context_refetch_steps += op.count();
+      return false;
+    case LaneOp::Code::kAnyHit:
+    case LaneOp::Code::kIntersection:
+      suspend(now, slot, l, op);
+      return true;
+    case LaneOp::Code::kEnd:
+      end_ray(now, slot, l);
+      return true;
     default:
       break;
   }
-  A2RT_CHECK(false, "a ray emitted an event of unknown kind");
+  A2RT_CHECK(false, "an operation that needs no cycle of its own was given one");
   return false;
 }
 
-void RtEngine::follow(Lane& lane, Step first, Step second) {
-  lane.step_list = {first, second};
-  lane.step = 0;
-  lane.steps = second.count > 0 ? 2 : 1;
-}
-
-bool RtEngine::fetch(Cycles now, std::uint32_t slot, std::uint32_t l, Address address,
-                     std::uint32_t bytes, Traffic kind) {
-  A2RT_CHECK(bytes > 0, "a ray fetches 0 bytes");
-  Slot& s = *slots_[slot];
-  Lane& lane = s.lanes[l];
+void RtEngine::begin_read(Cycles now, Lane& lane) {
   lane.missing = 0;
   lane.ready = now;
   A2RT_CHECK(lane.since == now, "a lane's time is not booked up to its next cycle");
   lane.state = LaneState::kFetch;
-  want(now, s, l, address, bytes, kind);
-  // A contiguous range of records of several kinds is one read of the unit.
-  const std::vector<Event>& events = s.events[l];
-  // Many other lanes have their turn until this one reads on.
-  __builtin_prefetch(events.data() + lane.cursor + kEventsPerHostLine);
-  std::uint64_t end = address.value + bytes;
-  while (lane.cursor < events.size() && events[lane.cursor].kind == EventKind::kFetch &&
-         events[lane.cursor].address == end && events[lane.cursor].traffic != Traffic::kResult) {
-    const Event& more = events[lane.cursor++];
-    ++counts_.events[static_cast<std::size_t>(EventKind::kFetch)];
-    want(now, s, l, Address{more.address}, more.bytes, more.traffic);
-    end += more.bytes;
-  }
+}
+
+void RtEngine::await(Cycles now, std::uint32_t slot, std::uint32_t l) {
+  Lane& lane = slots_[slot]->lanes[l];
   if (lane.missing > 0) {
     kick_port(now);
-    return true;
+    return;
   }
   // All of it is on its way to another lane already.
   book_lane(lane, lane.ready, LaneReason::kFetch);
   lane.state = LaneState::kRun;
   appoint(now, lane.ready, slot, l);
-  return true;
 }
 
-void RtEngine::want(Cycles now, Slot& slot, std::uint32_t l, Address address, std::uint32_t bytes,
+void RtEngine::want(Cycles now, Slot& slot, std::uint32_t l, std::uint64_t line, SectorMask sectors,
                     Traffic kind) {
-  const RequestTable::Added added = slot.requests.add(now, l, address, bytes, kind);
+  const RequestTable::Added added = slot.requests.add(now, l, line, sectors, kind);
   Lane& lane = slot.lanes[l];
   lane.missing += added.lines;
   lane.ready = std::max(lane.ready, added.ready);
-  const auto k = static_cast<std::size_t>(kind);
-  ++counts_.fetches[k];
-  counts_.fetch_bytes[k] += bytes;
-  counts_.sectors_wanted[k] += added.sectors;
+  counts_.sectors_wanted[static_cast<std::size_t>(kind)] += added.sectors;
 }
 
-bool RtEngine::suspend(Cycles now, std::uint32_t slot, std::uint32_t l, const Event& event) {
+void RtEngine::read_spill(Cycles now, std::uint32_t slot, std::uint32_t l, Address address,
+                          std::uint32_t bytes) {
+  Slot& s = *slots_[slot];
+  ++counts_.fetches[static_cast<std::size_t>(Traffic::kStack)];
+  counts_.fetch_bytes[static_cast<std::size_t>(Traffic::kStack)] += bytes;
+  begin_read(now, s.lanes[l]);
+  for_each_line(address, bytes, [&](std::uint64_t line, SectorMask sectors) {
+    want(now, s, l, line, sectors, Traffic::kStack);
+  });
+  await(now, slot, l);
+}
+
+void RtEngine::suspend(Cycles now, std::uint32_t slot, std::uint32_t l, LaneOp op) {
   Slot& s = *slots_[slot];
   Lane& lane = s.lanes[l];
-  lane.ordinal = event.count;
-  lane.intersection = event.kind == EventKind::kIntersection;
+  lane.ordinal = static_cast<std::uint16_t>(op.count());
+  lane.intersection = op.code() == LaneOp::Code::kIntersection;
   account(now);
   set_state(now, lane, LaneState::kCandidate);
   ++s.suspended;
   maybe_judge(now, slot);
-  return true;
 }
 
 void RtEngine::maybe_judge(Cycles now, std::uint32_t slot) {
@@ -454,6 +441,11 @@ void RtEngine::finish(Cycles end) {
   account(end);
   attribution_.check(end);
   counts_.port_cycles = port_.cycles_used();
+  counts_.events = op_counts_.events;
+  for (std::size_t k = 0; k < kTrafficKinds; ++k) {
+    counts_.fetches[k] += op_counts_.fetches[k];
+    counts_.fetch_bytes[k] += op_counts_.fetch_bytes[k];
+  }
   std::uint64_t lanes = 0;
   for (const std::uint64_t c : counts_.lane_cycles) {
     lanes += c;

@@ -35,8 +35,7 @@ std::uint32_t RtEngine::oldest_with_requests() const {
 
 void RtEngine::send_store(Cycles now) {
   const Store store = stores_[stores_head_];
-  l1_.write(now, port_, Address{line_of(store.sector) * kLineBytes},
-            static_cast<SectorMask>(1u << sector_index(store.sector)), store.kind);
+  l1_.write(now, port_, Address{store.line * kLineBytes}, store.sector, store.kind);
   ++counts_.stores_sent;
   if (++stores_head_ == stores_.size()) {
     stores_.clear();
@@ -129,7 +128,7 @@ Address RtEngine::stack_address(std::uint32_t slot, std::uint32_t lane, std::uin
 void RtEngine::store(Cycles now, Address address, std::uint32_t bytes, Traffic kind) {
   const Address last = sector_of(Address{address.value + bytes - 1});
   for (Address s = sector_of(address); s <= last; s = s + Bytes{kSectorBytes}) {
-    stores_.push_back({s, kind});
+    stores_.push_back({line_of(s), static_cast<SectorMask>(1u << sector_index(s)), kind});
   }
   kick_port(now);
 }
@@ -170,8 +169,9 @@ bool RtEngine::pop(Cycles now, std::uint32_t slot, std::uint32_t l, std::uint32_
   lane.stack = lane.stack + moved - count;
   counts_.stack_fills += (moved + per_sector - 1) / per_sector;
   counts_.stack_filled += moved;
-  return fetch(now, slot, l, stack_address(slot, l, lane.stack_spilled, bytes, kStackArea),
-               moved * bytes, Traffic::kStack);
+  read_spill(now, slot, l, stack_address(slot, l, lane.stack_spilled, bytes, kStackArea),
+             moved * bytes);
+  return true;
 }
 
 void RtEngine::push_context(Cycles now, std::uint32_t slot, std::uint32_t l) {
@@ -193,21 +193,9 @@ void RtEngine::push_context(Cycles now, std::uint32_t slot, std::uint32_t l) {
   ++counts_.context_spills;
 }
 
-bool RtEngine::pop_context(Cycles now, std::uint32_t slot, std::uint32_t l, const Event& event) {
+bool RtEngine::pop_context(Cycles now, std::uint32_t slot, std::uint32_t l) {
   Lane& lane = slots_[slot]->lanes[l];
   A2RT_CHECK(lane.context + lane.context_spilled > 0, "a ray restores a context it never saved");
-  if (config_.rt.context == ContextPolicy::kRefetch) {
-    --lane.context;
-    ++counts_.context_refetches;
-    if (event.traffic == Traffic::kAnchor) {
-      follow(lane, {Tester::kAnchor, 1}, {});
-      ++counts_.context_refetch_steps;
-    } else {
-      follow(lane, {Tester::kBox, 1}, {Tester::kQuantizer, 1});
-      counts_.context_refetch_steps += 2;
-    }
-    return fetch(now, slot, l, Address{event.address}, event.bytes, event.traffic);
-  }
   ++counts_.context_restores;
   if (lane.context > 0) {
     --lane.context;
@@ -216,8 +204,9 @@ bool RtEngine::pop_context(Cycles now, std::uint32_t slot, std::uint32_t l, cons
   --lane.context_spilled;
   ++counts_.context_fills;
   const std::uint32_t bytes = config_.rt.context_bytes;
-  return fetch(now, slot, l, stack_address(slot, l, lane.context_spilled, bytes, kContextArea),
-               bytes, Traffic::kStack);
+  read_spill(now, slot, l, stack_address(slot, l, lane.context_spilled, bytes, kContextArea),
+             bytes);
+  return true;
 }
 
 }  // namespace a2rt::timing

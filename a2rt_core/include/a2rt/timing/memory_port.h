@@ -34,6 +34,19 @@ void for_each_sector(SectorMask mask, const F& f) {
   }
 }
 
+// Calls f(line, sectors) for each line that [address, address + bytes) touches, ascending.
+template <class F>
+void for_each_line(Address address, std::uint64_t bytes, const F& f) {
+  const std::uint64_t first = address.value / kSectorBytes;
+  const std::uint64_t last = (address.value + bytes - 1) / kSectorBytes;
+  for (std::uint64_t line = first / kSectorsPerLine; line <= last / kSectorsPerLine; ++line) {
+    const std::uint64_t base = line * kSectorsPerLine;
+    const std::uint64_t from = first > base ? first - base : 0;
+    const std::uint64_t to = last - base < kSectorsPerLine ? last - base : kSectorsPerLine - 1;
+    f(line, static_cast<SectorMask>((2u << to) - (1u << from)));
+  }
+}
+
 // Receives the sectors a level asked for.
 class LineSink {
  public:

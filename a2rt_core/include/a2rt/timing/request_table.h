@@ -29,19 +29,8 @@ class RequestTable {
     std::uint32_t lines = 0;    // that the lane has to wait for and did not before
     Cycles ready;               // when the sectors of known arrival are all there
   };
-  // Lane `lane` wants the sectors of [address, address + bytes) at `now`.
-  Added add(Cycles now, std::uint32_t lane, Address address, std::uint32_t bytes, Traffic kind) {
-    const std::uint64_t first = address.value / kSectorBytes;
-    const std::uint64_t last = (address.value + bytes - 1) / kSectorBytes;
-    Added added;
-    for (std::uint64_t line = first / kSectorsPerLine; line <= last / kSectorsPerLine; ++line) {
-      const std::uint64_t base = line * kSectorsPerLine;
-      const std::uint64_t from = first > base ? first - base : 0;
-      const std::uint64_t to = std::min<std::uint64_t>(last - base, kSectorsPerLine - 1);
-      add_line(now, lane, line, static_cast<SectorMask>((2u << to) - (1u << from)), kind, added);
-    }
-    return added;
-  }
+  // Lane `lane` wants these sectors of a line at `now`.
+  Added add(Cycles now, std::uint32_t lane, std::uint64_t line, SectorMask wanted, Traffic kind);
 
   bool nothing_to_send() const { return first_ == kNil; }
   struct Next {
@@ -79,7 +68,7 @@ class RequestTable {
  private:
   static constexpr std::uint16_t kNil = 0xffff;
   static constexpr std::size_t kBuckets = 128;
-  struct Entry {
+  struct alignas(64) Entry {
     std::uint64_t line = 0;
     Cycles known;                                        // when all sectors of `arriving` are there
     std::array<std::uint32_t, kSectorsPerLine> lanes{};  // waiting, bit per lane
@@ -93,8 +82,7 @@ class RequestTable {
   std::uint32_t take(std::uint32_t token, SectorMask sectors, const SectorTimes& ready,
                      std::array<std::uint32_t, kSectorsPerLine>& lanes);
   std::uint16_t obtain(Cycles now, std::uint64_t line, Traffic kind);
-  void add_line(Cycles now, std::uint32_t lane, std::uint64_t line, SectorMask wanted, Traffic kind,
-                Added& added);
+  void queue(std::uint16_t index);
 
   std::vector<Entry> entries_;
   std::array<std::uint16_t, kBuckets> buckets_;

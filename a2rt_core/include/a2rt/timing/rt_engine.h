@@ -21,6 +21,7 @@
 #include "a2rt/timing/budget.h"
 #include "a2rt/timing/calendar.h"
 #include "a2rt/timing/l1_cache.h"
+#include "a2rt/timing/lane_ops.h"
 #include "a2rt/timing/machine_config.h"
 #include "a2rt/timing/ray_source.h"
 #include "a2rt/timing/request_table.h"
@@ -99,23 +100,16 @@ class RtEngine final : public Component, public L1Client {
   enum Wake : std::uint32_t { kLane, kNearLanes, kPort };
   // kRun: in a tester, or its next cycle is known.
   enum class LaneState : std::uint8_t { kNone, kFetch, kRun, kCandidate, kAtShader, kDone };
-  struct Step {
-    Tester tester = Tester::kBox;
-    std::uint32_t count = 0;
-  };
   struct Lane {
+    const LaneOp* op = nullptr;  // next
     Cycles since, started, ready;
     std::uint32_t ray = kNone;
-    std::uint32_t cursor = 0;
     std::uint32_t missing = 0;  // lines
     std::uint32_t stack = 0, stack_spilled = 0;
-    std::uint32_t context = 0, context_spilled = 0;
-    std::uint32_t ordinal = 0;
+    std::uint16_t context = 0, context_spilled = 0;
+    std::uint16_t ordinal = 0;
     LaneState state = LaneState::kNone;
     bool intersection = false;
-    // Tests that follow a fetch which one event stands for.
-    std::uint8_t steps = 0, step = 0;
-    std::array<Step, 2> step_list{};
   };
   static constexpr std::uint32_t kNear = 64;
   struct Slot {
@@ -126,30 +120,34 @@ class RtEngine final : public Component, public L1Client {
     std::uint32_t away = 0;       // lanes whose candidate is on the SM
     Cycles arrived;
     std::array<Lane, kLanes> lanes;
-    std::array<std::vector<Event>, kLanes> events;
+    LaneOps ops;  // of all lanes, one after another
     RequestTable requests;
     std::vector<CandidateJob> jobs;
     // Lanes that go on in the same near cycle share an appointment: bit per lane, by cycle.
     std::array<std::uint32_t, kNear> wake_at{};
   };
+  // Fetches and compiles the rays of a new warp.
+  void compile(Cycles now, Slot& slot, const LaneRays& rays);
   // The lane goes on in cycle `at`, which may be later than `now`.
   void run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
-  Cycles run_tests(Cycles now, Cycles at, Lane& lane, const std::vector<Event>& events);
+  Cycles run_ahead(Cycles now, Cycles at, Lane& lane);
   Cycles issue(Cycles at, Tester tester, std::uint32_t count);
   void appoint(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
   // Each returns true if the lane has to wait before its next event.
-  bool do_event(Cycles now, std::uint32_t slot, std::uint32_t lane, const Event& event);
-  bool fetch(Cycles now, std::uint32_t slot, std::uint32_t lane, Address address,
-             std::uint32_t bytes, Traffic kind);
-  // Counts and registers one record.
-  void want(Cycles now, Slot& slot, std::uint32_t lane, Address address, std::uint32_t bytes,
+  bool carry_out(Cycles now, std::uint32_t slot, std::uint32_t lane, LaneOp op);
+  // Its lines were asked for: the lane waits for those of unknown arrival, or goes on when the
+  // others are there.
+  void await(Cycles now, std::uint32_t slot, std::uint32_t lane);
+  void begin_read(Cycles now, Lane& lane);
+  void want(Cycles now, Slot& slot, std::uint32_t lane, std::uint64_t line, SectorMask sectors,
             Traffic kind);
+  void read_spill(Cycles now, std::uint32_t slot, std::uint32_t lane, Address address,
+                  std::uint32_t bytes);
   void push(Cycles now, std::uint32_t slot, std::uint32_t lane, std::uint32_t count);
   bool pop(Cycles now, std::uint32_t slot, std::uint32_t lane, std::uint32_t count);
   void push_context(Cycles now, std::uint32_t slot, std::uint32_t lane);
-  bool pop_context(Cycles now, std::uint32_t slot, std::uint32_t lane, const Event& event);
-  void follow(Lane& lane, Step first, Step second);
-  bool suspend(Cycles now, std::uint32_t slot, std::uint32_t lane, const Event& event);
+  bool pop_context(Cycles now, std::uint32_t slot, std::uint32_t lane);
+  void suspend(Cycles now, std::uint32_t slot, std::uint32_t lane, LaneOp op);
   void maybe_judge(Cycles now, std::uint32_t slot);
   void end_ray(Cycles now, std::uint32_t slot, std::uint32_t lane);
   void end_warp(Cycles now, std::uint32_t slot);
@@ -179,7 +177,8 @@ class RtEngine final : public Component, public L1Client {
   std::vector<std::uint32_t> by_age_;  // resident slots, oldest first
   std::uint32_t resident_ = 0;
   struct Store {
-    Address sector;
+    std::uint64_t line;
+    SectorMask sector;
     Traffic kind;
   };
   std::vector<Store> stores_;  // sent in order
@@ -187,6 +186,8 @@ class RtEngine final : public Component, public L1Client {
   Port port_;
   bool port_booked_ = false, port_blocked_ = false;
   std::uint32_t in_unit_ = 0, in_shader_ = 0;  // lanes
+  std::vector<Event> events_;                  // of the ray being compiled
+  LaneOpCounts op_counts_;
   RtCounts counts_;
   Attribution<RtReason> attribution_;
   BusyCycles testing_;

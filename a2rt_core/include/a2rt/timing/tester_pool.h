@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -16,8 +17,9 @@ namespace a2rt::timing {
 //
 // A tester is busy for `interval` cycles from its start, so a set of tests fits if and only if no
 // cycle has more than `count` of them (interval graphs are perfect). That is all the pool keeps:
-// how many are busy in each of the next cycles. Requests may therefore come out of order, as a
-// cache hit makes its arrival known before earlier ones are; each takes the first cycles with room.
+// how many are busy in each of the next cycles, and a bit per cycle in which all are. Requests may
+// therefore come out of order, as a cache hit makes its arrival known before earlier ones are; each
+// takes the first cycles with room.
 class TesterPool {
  public:
   TesterPool() = default;
@@ -26,7 +28,8 @@ class TesterPool {
         latency_(latency),
         interval_(interval.value),
         clock_(clock),
-        busy_(count == 0 ? 0 : kLeastRing) {
+        busy_(kLeastRing),
+        full_(kLeastRing / 64) {
     A2RT_CHECK(latency.value > 0 && interval.value > 0, "a test takes at least one cycle");
     A2RT_CHECK(count < 0x10000, "an RT unit has fewer than 65536 testers of a kind");
   }
@@ -42,8 +45,7 @@ class TesterPool {
     const std::uint64_t own = clock_.from_core(at).value;
     tests_ += tests;
     forget_before(own);
-    const std::uint64_t start =
-        interval_ == 1 ? reserve_pipelined(own, tests) : reserve(own, tests);
+    const std::uint64_t start = reserve(own, tests);
     queued_cycles_ += start - own;
     return clock_.to_core(Cycles{start} + latency_);
   }
@@ -57,27 +59,48 @@ class TesterPool {
 
  private:
   static constexpr std::size_t kLeastRing = 512;
-  std::uint16_t& busy_in(std::uint64_t cycle) { return busy_[cycle & (busy_.size() - 1)]; }
-  // Nobody asks for the past any more: its places in the ring become free, some at a time.
+  std::uint16_t& busy_in(std::uint64_t cycle) { return busy_[cycle & ring_mask_]; }
+  std::uint64_t& full_word(std::uint64_t cycle) { return full_[(cycle & ring_mask_) / 64]; }
+  // Nobody asks for the past any more: its places in the ring become free, 64 cycles at a time.
   void forget_before(std::uint64_t own) {
-    constexpr std::uint64_t kAtOnce = 64;
-    if (own < first_ + kDisorder + kAtOnce) [[likely]] {
+    if (own < first_ + kDisorder + 64) [[likely]] {
       return;
     }
-    const std::uint64_t until = std::min(own - kDisorder, first_ + busy_.size());
-    for (; first_ < until; ++first_) {
-      busy_in(first_) = 0;
+    const std::uint64_t keep = (own - kDisorder) / 64 * 64;
+    const std::uint64_t until = std::min(keep, first_ + ring_mask_ + 1);
+    for (; first_ < until; first_ += 64) {
+      std::fill_n(&busy_in(first_), 64, std::uint16_t{0});
+      full_word(first_) = 0;
     }
-    first_ = own - kDisorder;
+    first_ = keep;
   }
   // Makes the ring hold `cycle` and the interval from it on.
   void reach(std::uint64_t cycle) {
-    while (cycle + interval_ > first_ + busy_.size()) [[unlikely]] {
-      std::vector<std::uint16_t> old(busy_.size() * 2);
-      old.swap(busy_);
-      for (std::uint64_t c = first_; c < first_ + old.size(); ++c) {
-        busy_in(c) = old[c & (old.size() - 1)];
+    while (cycle + interval_ > first_ + ring_mask_ + 1) [[unlikely]] {
+      grow();
+    }
+  }
+  void grow() {
+    std::vector<std::uint16_t> busy(busy_.size() * 2);
+    std::vector<std::uint64_t> full(full_.size() * 2);
+    busy.swap(busy_);
+    full.swap(full_);
+    const std::uint64_t old_mask = ring_mask_;
+    ring_mask_ = busy_.size() - 1;
+    for (std::uint64_t c = first_; c < first_ + busy.size(); c += 64) {
+      std::copy_n(&busy[c & old_mask], 64, &busy_in(c));
+      full_word(c) = full[(c & old_mask) / 64];
+    }
+  }
+  // First cycle at or after `cycle` in which some tester is not busy; the ring holds it.
+  std::uint64_t first_not_full(std::uint64_t cycle) {
+    while (true) {
+      reach(cycle + 63);
+      const std::uint64_t open = ~full_word(cycle) >> (cycle % 64);
+      if (open != 0) [[likely]] {
+        return cycle + static_cast<std::uint64_t>(std::countr_zero(open));
       }
+      cycle = (cycle / 64 + 1) * 64;
     }
   }
   // Tests that can start in `cycle`.
@@ -88,61 +111,36 @@ class TesterPool {
     }
     return count_ - most;
   }
+  void occupy(std::uint64_t cycle, std::uint32_t testers) {
+    std::uint16_t& busy = busy_in(cycle);
+    busy = static_cast<std::uint16_t>(busy + testers);
+    full_word(cycle) |= std::uint64_t{busy == count_} << (cycle % 64);
+  }
   // Gives the tests the first cycles with room; returns the cycle of the last.
   std::uint64_t reserve(std::uint64_t own, std::uint32_t tests) {
-    std::uint64_t cycle = first_with_room(own);
-    std::uint64_t start = cycle;
+    std::uint64_t cycle = own, start = own;
     for (std::uint32_t left = tests; left > 0; ++cycle) {
-      reach(cycle);
+      cycle = first_not_full(cycle);
       const std::uint32_t taken = std::min(left, room(cycle));
       if (taken == 0) {
-        note_full(cycle);
         continue;
       }
       start = cycle;
       left -= taken;
       for (std::uint64_t c = cycle; c < cycle + interval_; ++c) {
-        busy_in(c) = static_cast<std::uint16_t>(busy_in(c) + taken);
+        occupy(c, taken);
       }
     }
     return start;
-  }
-  // The same for testers that take a test every cycle.
-  std::uint64_t reserve_pipelined(std::uint64_t own, std::uint32_t tests) {
-    for (std::uint64_t cycle = first_with_room(own);; ++cycle) {
-      reach(cycle);
-      std::uint16_t& busy = busy_in(cycle);
-      const std::uint32_t taken = std::min(tests, count_ - busy);
-      if (taken == 0) {
-        note_full(cycle);
-        continue;
-      }
-      busy = static_cast<std::uint16_t>(busy + taken);
-      tests -= taken;
-      if (tests == 0) {
-        return cycle;
-      }
-    }
-  }
-  std::uint64_t first_with_room(std::uint64_t own) const {
-    return own >= full_from_ && own < full_until_ ? full_until_ : own;
-  }
-  // A run of cycles without room, so that requests behind a long queue need not walk it.
-  void note_full(std::uint64_t cycle) {
-    if (cycle == full_until_) {
-      ++full_until_;
-    } else if (cycle < full_from_ || cycle > full_until_) {
-      full_from_ = cycle;
-      full_until_ = cycle + 1;
-    }
   }
   std::uint32_t count_ = 0;
   Cycles latency_{1};
   std::uint64_t interval_ = 1;
   ClockDomain clock_;
   std::vector<std::uint16_t> busy_;  // ring over cycles of the RT clock, from `first_` on
-  std::uint64_t first_ = 0;
-  std::uint64_t full_from_ = 0, full_until_ = 0;
+  std::vector<std::uint64_t> full_;  // bit per cycle of the ring: no tester is free
+  std::uint64_t ring_mask_ = kLeastRing - 1;
+  std::uint64_t first_ = 0;  // a multiple of 64
   std::uint64_t tests_ = 0, queued_cycles_ = 0;
 };
 
