@@ -151,7 +151,7 @@ def lost_hits(result: Result) -> int | None:
 def redundant_share(result: Result) -> float | None:
     """Redundant hits per quantized test whose exact box is missed, from the audited rays."""
     redundant = get(result, "accuracy.redundant_hits")
-    tests = get(result, "accuracy.qbox_tests")
+    tests = get(result, "accuracy.decided")
     exact = get(result, "accuracy.exact_hits")
     if redundant is None or not tests:
         return None

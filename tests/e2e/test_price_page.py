@@ -65,6 +65,7 @@ def made_up_result(scene: str, overrides: tuple[str, ...], scale: float) -> dict
         "overrides": list(overrides),
         "workload": {"name": scene, "rays": 1000},
         "accuracy": {
+            "decided": 2000,
             "qbox_tests": 2000,
             "exact_hits": 1000,
             "redundant_hits": int(redundant * 1000),

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
+
+#include "a2rt/arith/slab.h"
 
 namespace a2rt::bvh {
 namespace {
@@ -126,15 +129,29 @@ float round_up(double v) {
   return std::nextafterf(f, INFINITY);
 }
 
-// Beyond this the box of an instance is as good as unbounded, and areas would overflow FP32.
-constexpr double kLimit = 0x1p100;
+// Bounds of a world box stay finite in FP32.
+constexpr double kLimit = 0x1p127;
+
+// The driver's ray is then the world's ray, bit for bit.
+bool is_identity(const Map& m) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 4; ++j) {
+      if (m[i][j] != (i == j ? 1.0 : 0.0)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
 
 }  // namespace
 
 RayReach ray_reach(std::span<const Ray> rays, std::uint32_t tlas) {
   RayReach reach;
   for (const Ray& ray : rays) {
-    if (ray.tlas != tlas) {
+    // A ray that is not traced, or that no instance lets in, asks for no room.
+    if (ray.tlas != tlas || (ray.mask & 0xff) == 0 ||
+        !arith::ray_is_active(ray.origin, ray.dir, ray.tmin, ray.tmax)) {
       continue;
     }
     float longest = 0;
@@ -152,7 +169,7 @@ RayReach ray_reach(std::span<const Ray> rays, std::uint32_t tlas) {
 }
 
 Box unbounded_box() {
-  constexpr auto kFar = static_cast<float>(kLimit);
+  constexpr float kFar = std::numeric_limits<float>::max();
   return {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
 }
 
@@ -163,6 +180,9 @@ Box instance_world_box(const Instance& instance, const Box& object_box, const Ra
   const Map m = to_double(instance.world_to_object);
   if (!finite(m)) {
     return {};
+  }
+  if (is_identity(m)) {
+    return object_box;
   }
   const std::optional<Inverse> inverse = invert(m);
   if (!inverse) {

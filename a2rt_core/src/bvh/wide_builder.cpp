@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -70,27 +71,43 @@ float build_scale(float largest) {
   return std::ldexp(1.0F, largest > kLargest ? 49 - exponent : std::min(-exponent, 126));
 }
 
+// Instances without a bound (instance_boxes.h) reach as far as numbers do. They must not set the
+// scale, or nothing would be left of the others' areas.
+constexpr float kUnbounded = std::numeric_limits<float>::max();
+
+float largest_bounded(const Box& b) {
+  float largest = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (const float v : {std::fabs(b.lo[a]), std::fabs(b.hi[a])}) {
+      largest = v < kUnbounded ? std::max(largest, v) : largest;
+    }
+  }
+  return largest;
+}
+
 template <class Primitive>
 std::vector<RTCBuildPrimitive> build_primitives(std::span<const Primitive> all) {
   std::vector<RTCBuildPrimitive> result;
   result.reserve(all.size());
   float largest = 0;
+  bool unbounded = false;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Box b = active_box(all[i]);
     if (!b.valid()) {
       continue;
     }
-    for (std::size_t a = 0; a < 3; ++a) {
-      largest = std::max({largest, std::fabs(b.lo[a]), std::fabs(b.hi[a])});
-    }
+    largest = std::max(largest, largest_bounded(b));
+    unbounded = unbounded || b.hi.x == kUnbounded || b.hi.y == kUnbounded || b.hi.z == kUnbounded ||
+                b.lo.x == -kUnbounded || b.lo.y == -kUnbounded || b.lo.z == -kUnbounded;
     result.push_back(
         {b.lo.x, b.lo.y, b.lo.z, 0, b.hi.x, b.hi.y, b.hi.z, static_cast<std::uint32_t>(i)});
   }
-  const float s = build_scale(largest);
-  if (s != 1) {
+  const float s = build_scale(largest), limit = largest > 0 ? largest : 1;
+  if (s != 1 || unbounded) {
     for (RTCBuildPrimitive& p : result) {
-      p.lower_x *= s, p.lower_y *= s, p.lower_z *= s;
-      p.upper_x *= s, p.upper_y *= s, p.upper_z *= s;
+      for (float* v : {&p.lower_x, &p.lower_y, &p.lower_z, &p.upper_x, &p.upper_y, &p.upper_z}) {
+        *v = std::clamp(*v, -limit, limit) * s;
+      }
     }
   }
   return result;

@@ -135,6 +135,7 @@ void EventTotals::add(const EventTotals& other) {
 void add_audit(Audit& sum, const Audit& other) {
   sum.box_tests += other.box_tests;
   sum.qbox_tests += other.qbox_tests;
+  sum.decided += other.decided;
   sum.exact_hits += other.exact_hits;
   sum.redundant_hits += other.redundant_hits;
   sum.missed_hits += other.missed_hits;

@@ -106,6 +106,7 @@ Json accuracy_json(const FunctionalResult& result, std::uint64_t lost) {
           {"box_tests", a.box_tests},
           {"qbox_tests", a.qbox_tests},
           {"triangle_tests", a.triangle_tests},
+          {"decided", a.decided},
           {"exact_hits", a.exact_hits},
           {"redundant_hits", a.redundant_hits},
           {"missed_hits", a.missed_hits},

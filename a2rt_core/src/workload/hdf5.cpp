@@ -26,13 +26,19 @@ Handle text_type(std::size_t bytes) {
   return type;
 }
 
+// HDF5 would clip a negative number that is read as an unsigned one.
+bool same_number(hid_t a, hid_t b) {
+  return H5Tget_class(a) == H5Tget_class(b) && H5Tget_size(a) == H5Tget_size(b) &&
+         (H5Tget_class(a) != H5T_INTEGER || H5Tget_sign(a) == H5Tget_sign(b));
+}
+
 // Empty if a value of the file's type can be read as `memory`, member by member.
 std::string incompatible(hid_t file, hid_t memory) {
   if (H5Tget_class(file) != H5Tget_class(memory)) {
     return "has another kind of element";
   }
   if (H5Tget_class(memory) != H5T_COMPOUND) {
-    return H5Tget_size(file) == H5Tget_size(memory) ? "" : "has elements of another size";
+    return same_number(file, memory) ? "" : "has elements of another size or sign";
   }
   const int members = H5Tget_nmembers(memory);
   for (unsigned i = 0; i < static_cast<unsigned>(members); ++i) {
@@ -45,8 +51,7 @@ std::string incompatible(hid_t file, hid_t memory) {
     }
     const Handle wanted{H5Tget_member_type(memory, i), H5Tclose};
     const Handle stored{H5Tget_member_type(file, static_cast<unsigned>(found)), H5Tclose};
-    if (H5Tget_class(stored.id()) != H5Tget_class(wanted.id()) ||
-        H5Tget_size(stored.id()) != H5Tget_size(wanted.id())) {
+    if (!same_number(stored.id(), wanted.id())) {
       return "has a field '" + name + "' of another type";
     }
   }

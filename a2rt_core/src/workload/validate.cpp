@@ -109,6 +109,7 @@ class Validator {
         const Ray& ray = w_.rays[i];
         in_range("rays", i, "tlas", ray.tlas, w_.tlas.size());
         in_range("rays", i, "launch", ray.launch, count);
+        in_range("rays", i, "ordinal", ray.ordinal, w_.rays.size());
         if (ray.dispatch != d) {
           fail("rays", i,
                "dispatch is " + std::to_string(ray.dispatch) + ", but it lies among the rays of " +

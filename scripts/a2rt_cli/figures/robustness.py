@@ -68,7 +68,7 @@ def _cost(result: Result) -> Cost:
         missed=accuracy["missed_hits"],
         lost=results.lost_hits(result) or 0,
         redundant=accuracy["redundant_hits"],
-        exact_misses=accuracy["qbox_tests"] - accuracy["exact_hits"],
+        exact_misses=accuracy["decided"] - accuracy["exact_hits"],
         tests=events["qbox_test"] + events["escape"],
         escapes=events["escape"],
         node_bytes=results.node_bytes(result) or 0,

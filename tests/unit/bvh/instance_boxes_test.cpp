@@ -62,12 +62,48 @@ TEST(InstanceBox, NoRayThatMeetsTheObjectBoxMissesTheWorldBox) {
 TEST(InstanceBox, StaysCloseForOrdinaryScenes) {
   Instance instance;
   instance.blas = 0;
+  instance.world_to_object.m[0][1] = 0.125F;
   const Box box = instance_world_box(instance, kObject, {{10, 10, 10}, 0.5F});
-  for (std::size_t a = 0; a < 3; ++a) {
+  for (std::size_t a = 1; a < 3; ++a) {
     EXPECT_NEAR(box.lo[a], kObject.lo[a], 1e-4F);
     EXPECT_NEAR(box.hi[a], kObject.hi[a], 1e-4F);
     EXPECT_LT(box.lo[a], kObject.lo[a]);
   }
+}
+
+TEST(InstanceBox, OfAnIdentityIsTheObjectBoxHoweverFarRaysStart) {
+  Instance instance;
+  instance.blas = 0;
+  EXPECT_EQ(instance_world_box(instance, kObject, {{1e30F, 1e30F, 1e30F}, 1e-40F}), kObject);
+}
+
+TEST(InstanceBox, RaysThatAreNotTracedAskForNoRoom) {
+  std::vector<Ray> rays(4);
+  rays[0].origin = {3, 2, 1};
+  rays[0].dir = {0.5F, 0, 0};
+  for (std::size_t i = 1; i < rays.size(); ++i) {
+    rays[i].origin = {1e30F, 0, 0};
+    rays[i].dir = {1e-40F, 0, 0};
+  }
+  rays[1].tmin = 2, rays[1].tmax = 1;
+  rays[2].mask = 0x100;  // the driver looks at eight bits
+  rays[3].tlas = 1;
+  const RayReach reach = ray_reach(rays, 0);
+  EXPECT_EQ(reach.origin.x, 3);
+  EXPECT_EQ(reach.shortest_direction, 0.5F);
+}
+
+// Found by a reviewer: boxes ended at 2^100, objects beyond were lost with nothing to show for it.
+TEST(InstanceBox, HoldsObjectsAsFarAsFp32Reaches) {
+  const Box far{{1e31F, -1e38F, 1}, {2e31F, 3e38F, 2}};
+  Instance instance;
+  instance.blas = 0;
+  EXPECT_EQ(instance_world_box(instance, far, {}), far);
+  instance.world_to_object.m[0][0] = 2;
+  const Box world = instance_world_box(instance, far, {});
+  EXPECT_LE(world.lo.x, 0.5e31F);
+  EXPECT_GE(world.hi.x, 1e31F);
+  EXPECT_GE(world.hi.y, 3e38F);
 }
 
 // Found by the test of special values: rays still have an image under such a map.

@@ -105,6 +105,15 @@ TEST(AuditTest, GuardedOriginsEscapeAndStillMissNothing) {
   const Audit a = audit("a2rt", w, "[precision]\norigin = 'guard'");
   EXPECT_GT(a.escapes, 0U);
   EXPECT_EQ(a.missed_hits, 0U);
+  EXPECT_EQ(a.decided, a.qbox_tests + a.escapes);
+}
+
+// Slots of the public code's window are tested, but no box of the node stands behind them.
+TEST(AuditTest, SlotsBeyondANodesChildrenAreTestedButNotDecided) {
+  const Workload w = scene(Shape::kSoup, 800);
+  const Audit own = audit("aqb8", w), window = audit("aqb8", w, "artifact = true");
+  EXPECT_GE(own.decided, own.qbox_tests);  // and anchors
+  EXPECT_LT(window.decided, window.qbox_tests);
 }
 
 }  // namespace

@@ -137,6 +137,35 @@ TEST_P(Rules, MirroredShearedAndSingularInstances) {
   EXPECT_EQ(trace(w).state, HitState::kMiss);
 }
 
+// Found by a reviewer: two instances make a tree whose boxes ended at 2^100.
+TEST_P(Rules, InstancesBeyondTwoToTheHundredAreHit) {
+  Workload w = two_walls();
+  for (Triangle& triangle : w.blas[0].triangles) {
+    for (Vec3& v : triangle.v) {
+      v = {v.x * 1e31F, v.y * 1e31F, v.z * 1e31F};
+    }
+  }
+  w.rays[0].origin = {0.25e31F, -0.25e31F, 0};
+  w.tlas[0].instances.push_back(w.tlas[0].instances[0]);
+  EXPECT_EQ(trace(w).t, 1e31F);
+  for (Instance& instance : w.tlas[0].instances) {
+    instance.world_to_object.m[2][2] = 0.5F;
+    instance.object_to_world.m[2][2] = 2;
+  }
+  EXPECT_EQ(trace(w).t, 2e31F);
+}
+
+// Only the program could have confirmed it.
+TEST_P(Rules, ACandidateOfAQueryThatNobodyConfirmedIsNoHit) {
+  Workload w = two_walls();
+  w.blas[0].geometries[0].opaque = false;
+  w.rays[0].flags = kRayQuery;
+  EXPECT_EQ(trace(w).t, 2);
+  EXPECT_EQ(trace(w, {judged(0, 0)}).t, 1);
+  w.rays[0].flags = 0;
+  EXPECT_EQ(trace(w).t, 1);
+}
+
 TEST_P(Rules, ReportedIntersectionsReplayTheShader) {
   Workload w;
   Blas blas;

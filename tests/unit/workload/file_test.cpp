@@ -217,6 +217,28 @@ TEST_F(EditedFile, LaunchIdsBeyondTheDispatchAreRefused) {
   set("rays", "launch", 5, 99);
   EXPECT_EQ(error(), ": rays[5]: launch is 99, but there are only 16");
 }
+// Found by a reviewer: 2^32 - 1 wrapped where verdicts are laid out.
+TEST_F(EditedFile, OrdinalsBeyondTheRaysThatThereAreAreRefused) {
+  set("rays", "ordinal", 5, 0xffffffffu);
+  EXPECT_TRUE(error().starts_with(": rays[5]: ordinal is 4294967295, but there are only "));
+}
+TEST_F(EditedFile, SignedNumbersAreNotReadAsIndices) {
+  const hid_t set = H5Dopen2(id_, "segments", H5P_DEFAULT);
+  const hid_t old = H5Dget_type(set), space = H5Dget_space(set);
+  const hid_t type = H5Tcreate(H5T_COMPOUND, H5Tget_size(old));
+  for (unsigned i = 0; i < static_cast<unsigned>(H5Tget_nmembers(old)); ++i) {
+    char* name = H5Tget_member_name(old, i);
+    const hid_t member = H5Tget_member_type(old, i);
+    H5Tinsert(type, name, H5Tget_member_offset(old, i),
+              std::string(name) == "ray" ? H5T_NATIVE_INT32 : member);
+    H5Tclose(member);
+    H5free_memory(name);
+  }
+  H5Ldelete(id_, "segments", H5P_DEFAULT);
+  H5Dclose(H5Dcreate2(id_, "segments", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  H5Tclose(type), H5Tclose(old), H5Sclose(space), H5Dclose(set);
+  EXPECT_EQ(error(), ": /segments: has a field 'ray' of another type");
+}
 TEST_F(EditedFile, ParentsMustComeFirst) {
   set("rays", "parent", 5, 5);
   EXPECT_EQ(error(), ": rays[5]: parent 5 does not come before it");

@@ -32,8 +32,8 @@ struct RayReach {
 RayReach ray_reach(std::span<const Ray> rays, std::uint32_t tlas);
 
 // Box for instances without a bound: the world points that a singular map takes into the object
-// box reach infinitely far, and for nearly singular ones the bound does not converge. Holds all
-// that a scene can contain while areas stay finite.
+// box reach infinitely far, and for nearly singular ones the bound does not converge. Holds every
+// finite point.
 Box unbounded_box();
 
 // World box of one instance; empty if it cannot be hit: no BLAS, an empty BLAS, or a map with a

@@ -65,7 +65,7 @@ class AuditSink {
     audit_.box_tests += kind == EventKind::kBoxTest ? n : 0;
     audit_.qbox_tests += kind == EventKind::kQBoxTest ? n : 0;
     audit_.triangle_tests += kind == EventKind::kTriangleTest ? n : 0;
-    audit_.escapes += kind == EventKind::kEscape ? 1 : 0;
+    audit_.escapes += kind == EventKind::kEscape ? n : 0;
   }
 
   // The ray of the structure being traversed; the decisions that follow are about it.
@@ -83,6 +83,7 @@ class AuditSink {
       }
       const bool exact = arith::ray_meets_box(rays_.back(), boxes[i].box, tmax);
       const bool found = (hit >> i & 1U) != 0;
+      ++audit_.decided;
       audit_.exact_hits += exact ? 1U : 0U;
       audit_.redundant_hits += found && !exact ? 1U : 0U;
       if (exact && !found) {

@@ -377,7 +377,8 @@ class Traversal {
     }
     bool last = (ray_.flags & kRayTerminateOnFirstHit) != 0;
     if (!opaque && (s_.judges_candidates || !candidates_.empty())) {
-      const Verdict v = any_hit_verdict(candidates_, instance_index_, id.geometry(), id.primitive);
+      const Verdict v =
+          any_hit_verdict(candidates_, ray_.flags, instance_index_, id.geometry(), id.primitive);
       if constexpr (Sink::kEmits) {
         sink_.fetch(Traffic::kTriangle, id_address(primitives, slot), s_.layout.id_bytes);
       }
@@ -420,7 +421,8 @@ class Traversal {
         continue;
       }
       commit(primitives, slot, c.t, c.kind);
-      const Verdict v = any_hit_verdict(candidates_, instance_index_, id.geometry(), id.primitive);
+      const Verdict v =
+          any_hit_verdict(candidates_, ray_.flags, instance_index_, id.geometry(), id.primitive);
       done = done || (ray_.flags & kRayTerminateOnFirstHit) != 0 ||
              (v.ordinal != 0xffff && v.verdict == capture::AnyHitVerdict::kTerminate);
     }

@@ -56,14 +56,17 @@ struct StructureStats {
 
 // Decisions of the unit against exact arithmetic (only filled when tracing with an Audit).
 struct Audit {
-  std::uint64_t box_tests = 0;       // FP32 tests
-  std::uint64_t qbox_tests = 0;      // quantized tests
-  std::uint64_t exact_hits = 0;      // quantized tests whose exact box is met
-  std::uint64_t redundant_hits = 0;  // quantized says hit, exact says no
-  std::uint64_t missed_hits = 0;     // exact says hit, quantized says no
+  std::uint64_t box_tests = 0;   // FP32 tests
+  std::uint64_t qbox_tests = 0;  // quantized tests
+  // Boxes of quantized nodes that were judged: by a quantized test, or in FP32 after an escape.
+  // Slots that a design tests beyond a node's children are not among them.
+  std::uint64_t decided = 0;
+  std::uint64_t exact_hits = 0;      // decided boxes that the ray meets exactly
+  std::uint64_t redundant_hits = 0;  // the unit says hit, exact says no
+  std::uint64_t missed_hits = 0;     // exact says hit, the unit says no
   // The same three of the FP32 tests: the baseline's nodes, A2RT's group boxes.
   std::uint64_t fp32_exact_hits = 0, fp32_redundant_hits = 0, fp32_missed_hits = 0;
-  std::uint64_t escapes = 0;
+  std::uint64_t escapes = 0;  // boxes
   std::uint64_t triangle_tests = 0;
   // What made a test miss, in words ("5-bit shift overflows"); sums to missed_hits and
   // fp32_missed_hits.
