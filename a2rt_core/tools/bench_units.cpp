@@ -10,7 +10,6 @@
 
 #include "a2rt/base/text_file.h"
 #include "a2rt/base/thread_clock.h"
-#include "a2rt/config/section.h"
 #include "a2rt/rt/unit.h"
 #include "a2rt/workload/file.h"
 #include "a2rt/workload/reference.h"
@@ -18,6 +17,7 @@
 #include "bench_embree.h"
 #include "bench_memory.h"
 #include "command.h"
+#include "unit_option.h"
 
 namespace a2rt::tools {
 namespace {
@@ -93,7 +93,7 @@ Speed measure(const Bench& bench, const RtUnit& unit) {
 }
 
 nlohmann::json bench_unit(const std::string& name, const Bench& bench) {
-  const auto unit = unit_registry().create(name, config::Section::from_text("", name));
+  const auto unit = choose_unit(name, "", {}).unit;
   const PeakMemory memory;
   const double start = thread_seconds();
   unit->build(bench.workload);
@@ -189,7 +189,8 @@ const RegisterCommand kCommand(
     [](cli::Options& app) {
       auto options = std::make_shared<Options>();
       app.add("workload", options->workload, "Workload file; none: a synthetic torus");
-      app.add("--units", options->units, "Units to run; all if not given").delimiter(',');
+      app.add("--units", options->units, "Units: names, or .toml files; all if not given")
+          .delimiter(',');
       app.add("--rays", options->rays, "Rays to sample").check(cli::positive());
       app.add("--repeats", options->repeats, "Passes; the best counts")
           .check(cli::in_range(1, 100));

@@ -22,7 +22,8 @@ struct UnitChoice {
 // `unit`: a name or a .toml file. A name takes its parameters from units/NAME.toml in the folder of
 // configurations ($A2RT_CONFIGS, else the source tree's), or has the defaults if there is no such
 // file. A file names its unit with the key `unit`, or by its own name. `config` overrides where the
-// parameters come from; `set` holds "key=value". Throws UserError for unknown units and keys.
+// parameters come from; `set` holds "key=value". Throws UserError for unknown units and keys,
+// naming file:line:column if they stand in a file.
 UnitChoice choose_unit(const std::string& unit, const std::string& config,
                        const std::vector<std::string>& set);
 
