@@ -193,25 +193,36 @@ void Renderer::build_pipeline(const workloads::WorkloadConfig& workload) {
     used |= static_cast<VkShaderStageFlags>(bit);
     return static_cast<std::uint32_t>(d.stages.size() - 1);
   };
-  d.ray_generation = stage(workload.ray_generation + ".rgen", VK_SHADER_STAGE_RAYGEN_BIT_KHR);
+  // A shader that the workload's file names under `key`.
+  const auto named = [&](const char* key, const std::string& file, VkShaderStageFlagBits bit) {
+    const auto place = workload.stage_places.find(key);
+    try {
+      return stage(file, bit);
+    } catch (const UserError& e) {
+      throw UserError(place == workload.stage_places.end() ? std::string(e.what())
+                                                           : place->second + ": " + e.what());
+    }
+  };
+  d.ray_generation =
+      named("ray_generation", workload.ray_generation + ".rgen", VK_SHADER_STAGE_RAYGEN_BIT_KHR);
   for (const std::string& miss : workload.misses) {
     const bool for_shadows = miss == "shadow";
     const std::uint32_t shadows =
         gpu::kEffectShadow | gpu::kEffectSoftShadow | gpu::kEffectAmbientOcclusion;
     if (!for_shadows || (choice_.has(shadows) && !settings_.lumibench_shadow)) {
-      d.misses.push_back(stage(miss + ".rmiss", VK_SHADER_STAGE_MISS_BIT_KHR));
+      d.misses.push_back(named("misses", miss + ".rmiss", VK_SHADER_STAGE_MISS_BIT_KHR));
     }
   }
   vulkan::HitGroup triangles;
-  triangles.closest_hit =
-      stage(workload.triangle_closest_hit + ".rchit", VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR);
+  triangles.closest_hit = named("triangle_closest_hit", workload.triangle_closest_hit + ".rchit",
+                                VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR);
   if (choice_.has(gpu::kEffectAlpha)) {
     triangles.any_hit = stage("alpha.rahit", VK_SHADER_STAGE_ANY_HIT_BIT_KHR);
   }
   d.hit_groups.push_back(triangles);
   if (choice_.has(gpu::kEffectProcedural)) {
-    const std::uint32_t closest =
-        stage(workload.shape_closest_hit + ".rchit", VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR);
+    const std::uint32_t closest = named("shape_closest_hit", workload.shape_closest_hit + ".rchit",
+                                        VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR);
     for (const char* file : {"sphere.rint", "box.rint"}) {
       vulkan::HitGroup shape;
       shape.closest_hit = closest;

@@ -5,6 +5,7 @@
 
 #include "a2rt/base/error.h"
 #include "a2rt/config/section.h"
+#include "effects/effect.h"
 
 namespace a2rt::workloads {
 namespace {
@@ -19,6 +20,10 @@ void read_stages(const config::Section& s, WorkloadConfig& w) {
   w.triangle_closest_hit = s.text("triangle_closest_hit", "triangle", "closest hit of triangles");
   w.shape_closest_hit = s.text("shape_closest_hit", "shape", "closest hit of procedural shapes");
   w.misses = s.texts("misses", {"path", "shadow"}, "miss shaders, by miss index");
+  for (const char* key :
+       {"ray_generation", "triangle_closest_hit", "shape_closest_hit", "misses"}) {
+    w.stage_places[key] = s.where(key);
+  }
   w.recursion = natural(s, "recursion", 1, 1, 31, "deepest nesting of traces");
 }
 
@@ -42,6 +47,21 @@ void read_sampling(const config::Section& s, WorkloadConfig& w) {
   w.sun = s.boolean("sun", false, "scenes without a light get a sun from a fixed direction");
   w.opaque_geometry =
       s.boolean("opaque_geometry", true, "triangles without alpha bypass the any-hit shader");
+}
+
+void check_effects(const config::Section& root, const WorkloadConfig& w) {
+  for (const std::string& name : w.effects) {
+    const auto& all = effects::all();
+    if (std::any_of(all.begin(), all.end(), [&](const auto& one) { return one.name == name; })) {
+      continue;
+    }
+    std::string known;
+    for (const effects::Effect& one : all) {
+      known += (known.empty() ? "" : ", ") + one.name;
+    }
+    throw UserError(root.where("effects") + ": no effect '" + name +
+                    "'; list those of the shaders: " + known);
+  }
 }
 
 }  // namespace
@@ -82,6 +102,7 @@ WorkloadConfig load(const std::string& name) {
   w.title = root.text("title", name, "what it draws, in words");
   w.lumibench = root.text("lumibench", "", "LumiBench's shader type, if it has one");
   w.effects = root.texts("effects", {}, "effects its shaders can show");
+  check_effects(root, w);
   w.rays = root.texts("rays", {}, "rays it traces, in words");
   read_stages(root.table("stages"), w);
   read_sampling(root.table("sampling"), w);

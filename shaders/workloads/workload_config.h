@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct WorkloadConfig {
   std::string triangle_closest_hit, shape_closest_hit;
   std::vector<std::string> misses;
   std::uint32_t recursion = 1;
+  // Key of [stages] -> "file:line:column", for whoever finds that there is no such shader.
+  std::map<std::string, std::string> stage_places;
 
   std::uint32_t width = 128, height = 128;
   std::uint32_t samples = 2;
@@ -38,6 +41,7 @@ std::filesystem::path config_folder();
 // Names of the workloads there, sorted.
 std::vector<std::string> names();
 // Throws UserError naming file:line:column, or the known workloads if there is none of that name.
+// Shaders are looked up later, by the renderer.
 WorkloadConfig load(const std::string& name);
 
 }  // namespace a2rt::workloads
