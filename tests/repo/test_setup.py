@@ -125,3 +125,25 @@ def test_every_python_package_is_pinned_to_one_version(path):
 def test_doctor_asks_for_what_the_build_makes():
     missing = [name for name in checks.PROGRAMS if build.find_program(name) is None]
     assert missing == []
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        (["ninja: Entering directory", "[0/2] Re-checking globbed directories...", "no work"], ""),
+        (["[0/2] Re-checking globbed directories...", "[1/1] Re-running CMake..."], "Building the"),
+        (["[0/2] Re-checking globbed directories...", "[1/9] Building CXX x.o"], "Building the"),
+    ],
+)
+def test_a_build_that_is_up_to_date_says_nothing(monkeypatch, capsys, tmp_path, lines, said):
+    def ninja(command, log, *, on_line, **_):
+        assert command[0] == "ninja"
+        for line in lines:
+            on_line(line)
+
+    monkeypatch.setattr(build, "LOGS", tmp_path)
+    monkeypatch.setattr(build, "_configured", lambda tests: True)
+    monkeypatch.setattr(build, "run_logged", ninja)
+    build.ensure(tests=False)
+    shown = capsys.readouterr().err
+    assert shown.strip().startswith(said) and bool(shown) == bool(said)

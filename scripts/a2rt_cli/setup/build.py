@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 from a2rt_cli import console
@@ -53,32 +53,31 @@ def configure(tests: bool) -> None:
     run_logged(command, LOGS / "setup-build.log", what="configuring the build", remedy=_REMEDY)
 
 
-def _up_to_date(targets: tuple[str, ...]) -> bool:
-    """Ninja's own no-op check; silent and short when nothing changed."""
-    reply = subprocess.run(
-        ["ninja", "-C", str(BUILD), "-n", *targets], capture_output=True, text=True, check=False
-    )
-    return reply.returncode == 0 and "no work to do" in reply.stdout
-
-
 def ensure(tests: bool) -> None:
     """Configures and builds what is out of date; says nothing when nothing is."""
     log = LOGS / "setup-build.log"
     targets = () if tests else ENGINE_TARGETS
-    configured = _configured(tests)
-    if configured and _up_to_date(targets):
-        return
+    title = "Building the tests" if tests else "Building the simulator"
     log.parent.mkdir(parents=True, exist_ok=True)
     log.write_text("", encoding="utf-8")
-    with console.step("Building the tests" if tests else "Building the simulator") as shown:
-        if not configured:
-            shown.update(0.0, "cmake")
-            configure(tests)
+    with contextlib.ExitStack() as stack:
+        shown: console.Step | None = None
 
         def follow(line: str) -> None:
-            if match := _NINJA_STEP.match(line):
-                shown.update(int(match[1]) / int(match[2]), match[3][-50:])
+            # Ninja looks for new files first, every time; a dry run of it would stop there and
+            # never say that all is up to date.
+            nonlocal shown
+            match = _NINJA_STEP.match(line)
+            if match is None or match[3].startswith("Re-checking globbed"):
+                return
+            if shown is None:
+                shown = stack.enter_context(console.step(title))
+            shown.update(int(match[1]) / int(match[2]), match[3][-50:])
 
+        if not _configured(tests):
+            shown = stack.enter_context(console.step(title))
+            shown.update(0.0, "cmake")
+            configure(tests)
         run_logged(
             ["ninja", "-C", str(BUILD), *targets],
             log,
