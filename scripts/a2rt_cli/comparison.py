@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from a2rt_cli import console, process, results
-from a2rt_cli.engine import capture, effects, lumibench, runs, scenes
+from a2rt_cli.engine import capture, core, effects, lumibench, runs, scenes
 from a2rt_cli.engine.capture import Captured
 from a2rt_cli.engine.renderer import RenderOptions
 from a2rt_cli.engine.runs import RunSpec
@@ -158,6 +158,7 @@ def _compare(
     parallel: int,
     command: str,
 ) -> list[dict[str, Any]]:
+    _check(specs)
     captured = capture_all(items, cache / "captures")
     pictures = out / "pictures"
     for one in captured:
@@ -174,6 +175,16 @@ def _compare(
     write_json(out / "effects.json", {one.name: effects.of_captured(one) for one in captured})
     write_text(out / "results.csv", to_csv(found))
     return found
+
+
+def _check(specs: Sequence[RunSpec]) -> None:
+    """A misspelt unit, machine or parameter is found before minutes of drawing, not after."""
+    for unit, overrides in dict.fromkeys((spec.unit, spec.unit_overrides()) for spec in specs):
+        core.check_unit(unit, overrides)
+    machines = dict.fromkeys((spec.gpu, spec.machine_overrides()) for spec in specs)
+    for gpu, overrides in machines:
+        if gpu is not None:
+            core.check_gpu(gpu, overrides)
 
 
 def to_csv(found: Sequence[dict[str, Any]]) -> str:

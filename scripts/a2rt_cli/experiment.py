@@ -5,7 +5,7 @@ A key that nothing reads is an error that names file and line, so that a misspel
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,13 +13,14 @@ from typing import Any
 from a2rt_cli import console
 from a2rt_cli.comparison import Item
 from a2rt_cli.config_table import Table
-from a2rt_cli.engine import scenes
+from a2rt_cli.engine import core, scenes
 from a2rt_cli.engine.renderer import RenderOptions
 from a2rt_cli.engine.runs import DEFAULT_AUDIT, RunSpec, with_same_area
 from a2rt_cli.errors import UserError
-from a2rt_cli.paths import CONFIGS
+from a2rt_cli.paths import CONFIGS, shown
 
 FOLDER = CONFIGS / "experiments"
+UNITS = ["baseline", "aqb8", "a2rt"]
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class Knob:
     title: str
     labels: tuple[str, ...] = ()  # of the values, where they do not speak for themselves
     order: str = ""  # "finer" or "coarser": where precision goes along the values; "": nowhere
+    place: str = ""  # file:line:column of its key
 
     def label(self, value: Any) -> str:
         return self.labels[self.values.index(value)] if self.labels else str(value)
@@ -114,7 +116,10 @@ def find(text: str) -> Path:
     path = Path(text) if text.endswith(".toml") else FOLDER / f"{text}.toml"
     if not path.is_file():
         names = ", ".join(sorted(file.stem for file in FOLDER.glob("*.toml")))
-        raise UserError(f"{text}: no such experiment", f"name a .toml file or one of: {names}")
+        raise UserError(
+            f"{text}: no such experiment",
+            f"write {shown(FOLDER)}/{Path(text).stem}.toml, name another file, or one of: {names}",
+        )
     return path
 
 
@@ -122,16 +127,22 @@ def load(path: Path, only_scenes: Sequence[str] | None = None) -> Experiment:
     top = Table.read(path)
     size = top.get("size", list, [128, 128])
     if len(size) != 2 or not all(isinstance(n, int) and n > 0 for n in size):
-        raise UserError(f"{top.where('size')}: size is [width, height]")
+        raise UserError(f"{top.where('size')}: size is [width, height]", "for example [128, 128]")
+    named = top.get("scenes", list, [] if only_scenes else ...)
+    for scene in named if only_scenes is None else ():
+        _check(top, "scenes", scene, scenes.find)
+    workloads = top.get("workloads", list, ["auto"])
+    for workload in workloads:
+        top.known("workloads", workload, ["auto", *core.config_names("workloads")], "workload")
     experiment = Experiment(
         file=path,
         title=top.get("title", str),
-        scenes=tuple(only_scenes or top.get("scenes", list)),
-        workloads=tuple(top.get("workloads", list, ["auto"])),
+        scenes=tuple(only_scenes or named),
+        workloads=tuple(workloads),
         size=(size[0], size[1]),
         spp=top.get("spp", int, None),
-        units=tuple(top.get("units", list, ["baseline", "aqb8", "a2rt"])),
-        gpu=top.get("gpu", str, None),
+        units=tuple(_unit(top, "units", unit) for unit in top.get("units", list, UNITS)),
+        gpu=_gpu(top),
         audit=top.get("audit", int, DEFAULT_AUDIT),
         pictures=top.get("pictures", bool, False),
         same_area=top.get("same_area", bool, False),
@@ -140,35 +151,66 @@ def load(path: Path, only_scenes: Sequence[str] | None = None) -> Experiment:
         factorials=tuple(_factorial(table) for table in top.tables("factorial")),
         search=_search(top.table("search")),
     )
-    if only_scenes:
-        top.get("scenes", list, [])
     top.reject_unknown()
     return experiment
 
 
+def _check(table: Table, key: str, name: str, find: Callable[[str], object]) -> str:
+    """`name`, which stands under `key`, if `find` knows it; what it says of another, in place."""
+    if not isinstance(name, str):
+        raise UserError(f"{table.where(key)}: {name!r} is no name", "write names in quotes")
+    try:
+        find(name)
+    except UserError as error:
+        raise UserError(f"{table.where(key, name)}: {key}: {error}", error.remedy) from error
+    return name
+
+
+def _unit(table: Table, key: str, name: str) -> str:
+    return _check(table, key, name, lambda unit: core.config_file("units", unit))
+
+
+def _gpu(table: Table) -> str | None:
+    name = table.get("gpu", str, None)
+    if name is None:
+        return None
+    return _check(table, "gpu", name, lambda gpu: core.config_file("gpus", gpu))
+
+
 def _knob(table: Table) -> Knob:
     knob = Knob(
-        table.get("unit", str, "a2rt"),
+        _unit(table, "unit", table.get("unit", str, "a2rt")),
         table.get("key", str),
         tuple(table.get("values", list)),
         table.get("default", (int, float, str, bool)),
         table.get("title", str),
         tuple(table.get("labels", list, [])),
         table.get("order", str, ""),
+        table.where("key"),
     )
     table.reject_unknown()
     if knob.order not in ("", "finer", "coarser"):
-        raise UserError(f"{table.where('order')}: {knob.key}: order is finer or coarser")
+        raise UserError(
+            f"{table.where('order')}: {knob.key}: order is {knob.order!r}",
+            "write finer or coarser, or leave it out",
+        )
     if knob.labels and len(knob.labels) != len(knob.values):
-        raise UserError(f"{table.where('labels')}: {knob.key}: one label for each value")
+        raise UserError(
+            f"{table.where('labels')}: {knob.key}: {len(knob.labels)} labels for "
+            f"{len(knob.values)} values",
+            "give one label for each value",
+        )
     if knob.default not in knob.values:
-        raise UserError(f"{table.where('default')}: {knob.key}: the default is not in values")
+        raise UserError(
+            f"{table.where('default')}: {knob.key}: the default is not in values",
+            "add the unit's own value to them: steps are counted from it",
+        )
     return knob
 
 
 def _factorial(table: Table) -> Factorial:
     title, unit = table.get("title", str), table.get("unit", str, "a2rt")
-    return Factorial(title, unit, _space(table))
+    return Factorial(title, _unit(table, "unit", unit), _space(table))
 
 
 def _space(table: Table) -> dict[str, tuple[Any, ...]]:
@@ -176,7 +218,9 @@ def _space(table: Table) -> dict[str, tuple[Any, ...]]:
     out = {}
     for key, values in table.rest().items():
         if not isinstance(values, list) or not values:
-            raise UserError(f"{table.where(key)}: {key} needs a list of values")
+            raise UserError(
+                f"{table.where(key)}: {key} needs a list of values", f'write "{key}" = [1, 2]'
+            )
         out[key] = tuple(values)
     return out
 
@@ -186,9 +230,12 @@ def _search(table: Table | None) -> Search | None:
         return None
     space = table.table("space")
     if space is None:
-        raise UserError("search.space is missing", "add [search.space] with lists of values")
+        raise UserError(
+            f"{table.where('minimise')}: search.space is missing",
+            "add [search.space] with lists of values",
+        )
     found = Search(
-        table.get("unit", str, "a2rt"),
+        _unit(table, "unit", table.get("unit", str, "a2rt")),
         _space(space),
         table.get("most_lost_hits", int, 0),
         table.get("most_extra_redundant", (int, float), 0.01),

@@ -22,7 +22,7 @@ def no_real_scenes(monkeypatch, tmp_path):
 
 
 def test_every_scene_configuration_loads_and_credits_its_source():
-    assert set(scenes.EMBEDDED) <= set(scenes.configs())
+    assert {"cornell", "spheres", "forest", "torture"} <= set(scenes.embedded())
     assert all(config.credit and config.features for config in scenes.configs().values())
 
 

@@ -43,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     render = RenderOptions(width=width, height=height, spp=1)
     gpu = "table1" if "simulate" in core.subcommands() else None
     found = comparison.compare(
-        [comparison.Item(name, render) for name in scenes.EMBEDDED],
+        [comparison.Item(name, render) for name in scenes.embedded()],
         [RunSpec(unit, gpu, time_optional=True, heatmap=True) for unit in options.DEFAULT_UNITS],
         out,
         command=options.command_line(),

@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     from a2rt_cli import console
-    from a2rt_cli.engine import scenes
+    from a2rt_cli.engine import core, scenes
     from a2rt_cli.errors import UserError
     from a2rt_cli.paths import shown
 
@@ -45,6 +45,8 @@ def run(args: argparse.Namespace) -> int:
         raise UserError(f"{target}: pictures are PNG", "give -o a name that ends in .png")
     if args.overrides and not args.unit:
         raise UserError("--set changes a unit, but there is no --unit", "add --unit a2rt")
+    if args.unit:
+        core.check_unit(args.unit, args.overrides)
     if scene.note:
         console.note(f"  {scene.note}")
     with console.step(f"Drawing {scene.name}") as step:

@@ -31,6 +31,22 @@ def import_capture(
         _call(words, f"importing the capture of {scene}", shown)
 
 
+def check_unit(unit: str, overrides: Sequence[str] = ()) -> None:
+    """Refuses a unit that there is not, and keys that it does not read."""
+    words: list[str | Path] = ["units", config_file("units", unit)]
+    for override in overrides:
+        words += ["--set", override]
+    _call(words, f"reading the parameters of {unit}")
+
+
+def check_gpu(gpu: str, overrides: Sequence[str] = ()) -> None:
+    """The same of a machine."""
+    words: list[str | Path] = ["describe-gpu", config_file("gpus", gpu)]
+    for override in overrides:
+        words += ["--set", override]
+    _call(words, f"reading the parameters of {gpu}")
+
+
 def check(workload: Path, shown: console.Step | None = None) -> list[str]:
     """Compares the driver's recorded hits with the exact walk over its own nodes."""
     return _call(["check", workload], f"checking {workload.name}", shown)

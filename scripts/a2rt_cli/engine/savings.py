@@ -35,6 +35,8 @@ def measure(
     scene: Scene, options: RenderOptions, unit: str, gpu: str, beside: Path
 ) -> dict[str, Any]:
     """One row of the table; `beside` is where the scratch folder goes."""
+    core.check_unit(unit)
+    core.check_gpu(gpu)
     with renderer.scratch(beside) as scratch, console.step(f"{scene.name}: auto and all") as shown:
         sides = {}
         for count, mode in enumerate(MODES):

@@ -19,7 +19,6 @@ from a2rt_cli.files import hash_file, hash_values
 from a2rt_cli.paths import CONFIGS, SHARED_SCENES, config_folder
 
 FOLDER = CONFIGS / "scenes"
-EMBEDDED = ("cornell", "spheres", "forest", "torture")
 _SUFFIXES = (".glb", ".gltf")
 
 
@@ -90,12 +89,38 @@ def _load(path: Path) -> SceneConfig:
         triangles=table.get("triangles", int, 0),
     )
     table.reject_unknown()
-    if not config.embedded and config.stand_in not in EMBEDDED:
+    shown = dict.fromkeys(one for effects in _workloads().values() for one in effects)
+    for feature in config.features:
+        table.known("features", feature, shown, "effect of a workload")
+    for run in config.runs:
+        table.known("runs", run, _workloads(), "workload")
+    if not config.embedded and not config.stand_in:
         raise UserError(
-            f"{table.where('stand_in')}: {config.name} needs a stand-in",
-            f"stand_in = one of: {', '.join(EMBEDDED)}",
+            f"{path}: {config.name} has neither a scene of its own nor a stand-in",
+            'add embedded = "NAME", or file = "NAME.glb" and stand_in = "NAME"',
         )
+    if not config.embedded:
+        table.known("stand_in", config.stand_in, _embedded_names(), "embedded scene")
     return config
+
+
+@cache
+def _workloads() -> dict[str, list[str]]:
+    """Workload -> effects it can show; the project's own, as the scenes' configurations are."""
+    files = sorted((CONFIGS / "workloads").glob("*.toml"))
+    return {file.stem: Table.read(file).get("effects", list, []) for file in files}
+
+
+@cache
+def _embedded_names() -> tuple[str, ...]:
+    """Read before the scenes are: each of the others names one of them."""
+    files = sorted(FOLDER.glob("*.toml"))
+    return tuple(file.stem for file in files if Table.read(file).get("embedded", str, ""))
+
+
+def embedded() -> tuple[str, ...]:
+    """Names of the scenes that a2rt-render makes itself."""
+    return tuple(name for name, config in configs().items() if config.embedded)
 
 
 def _workload_effects(workload: str) -> list[str]:
@@ -149,7 +174,7 @@ def _configured(config: SceneConfig) -> Scene:
         return Scene(config.name, str(path.resolve()), path.resolve(), _partial(path))
     return Scene(
         f"{config.stand_in}-for-{config.name}",
-        config.stand_in,
+        configs()[config.stand_in].embedded,
         None,
         _stand_in_words(config),
         tuple(one for one in config.features if one in configs()[config.stand_in].features),
@@ -174,5 +199,5 @@ def _partial(path: Path) -> str:
 
 def _choices() -> str:
     present = [one.name for one in configs().values() if one.path() is not None]
-    names = ", ".join([*EMBEDDED, *present])
+    names = ", ".join([*embedded(), *present])
     return f"name a .glb or .gltf file, or one of: {names}; `a2rt scenes` lists all"

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from a2rt_cli import comparison, experiment, results
-from a2rt_cli.engine import capture, runs, scenes
+from a2rt_cli.engine import capture, core, runs, scenes
 from a2rt_cli.engine.capture import Captured
 from a2rt_cli.engine.renderer import RenderOptions
 from a2rt_cli.engine.runs import RunSpec
 from a2rt_cli.errors import UserError
 from a2rt_cli.experiment import Experiment, Factorial
 from a2rt_cli.files import hash_values, read_json, write_json, write_text
+from a2rt_cli.process import ProgramFailed
 
 find = experiment.find
 load = experiment.load
@@ -120,6 +121,7 @@ def _spec(one: Experiment, unit: str, overrides: Sequence[str]) -> RunSpec:
 
 
 def make(one: Experiment) -> Plan:
+    check(one)
     captures, points = {}, []
     for item in one.items():
         key = capture.key_of(scenes.find(item.text), item.options)
@@ -135,6 +137,22 @@ def make(one: Experiment) -> Plan:
             unit = Path(spec.unit).stem
             points.append(Point(f"{item.name}.{unit}.{run}", name, spec, tuple(roles)))
     return Plan(one.title, captures, points)
+
+
+def check(one: Experiment) -> None:
+    """Refuses a parameter that its unit does not read, or a value that it does not take."""
+    for knob in one.knobs:
+        for value in knob.values:
+            spec = _spec(one, knob.unit, (override(knob.key, value),))
+            try:
+                core.check_unit(spec.unit, spec.unit_overrides())
+                if spec.gpu is not None:
+                    core.check_gpu(spec.gpu, spec.machine_overrides())
+            except ProgramFailed as error:
+                raise UserError(
+                    f"{knob.place}: {' '.join(error.tail)}",
+                    f"`a2rt-core units {knob.unit}` lists the parameters of the unit",
+                ) from error
 
 
 def write(one: Experiment, out: Path) -> Plan:
