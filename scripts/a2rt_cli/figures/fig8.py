@@ -137,7 +137,7 @@ def _draw_speed(axes, names: Sequence[str], found: Sequence[Result], comparison:
         for x, speed, unit in points:
             highest = max(highest, speed)
             derived = "*" if name == "paper" and unit == "aqb8" else ""
-            axes.plot(x, speed, "o", color=charts.unit_colour(unit), mec="#1a2230", ms=6, mew=0.8)
+            axes.plot(x, speed, "o", color=_colour(units, unit), mec="#1a2230", ms=6, mew=0.8)
             axes.annotate(
                 f"{speed:.2f}{derived}",
                 (x, speed),
@@ -161,6 +161,10 @@ def _speed(row: Sequence[Result], unit: str, name: str, comparison: str) -> floa
     return 1 / share if share else None
 
 
+def _colour(units: Sequence[str], unit: str) -> str:
+    return charts.unit_colour(unit, units.index(unit))
+
+
 def _draw(found: Sequence[Result], comparison: str, out: Path) -> list[Path]:
     rows = _rows_of(found)
     widest = max(len(names) for names in rows.values())
@@ -173,11 +177,12 @@ def _draw(found: Sequence[Result], comparison: str, out: Path) -> list[Path]:
         axes.set_title(f"{shaders}: {COMPARISON_WORDS[comparison]}", loc="left", fontsize=10)
     colours = charts.series_colours(list(PARTS))
     handles = [grid[0, 0].bar(0, 0, color=colours[part], label=part) for part in PARTS]
-    for unit in _units(found):
+    units = _units(found)
+    for unit in units:
         handles += grid[0, 0].plot(
-            [], [], "o", color=charts.unit_colour(unit), mec="#1a2230", label=f"{unit}: speedup"
+            [], [], "o", color=_colour(units, unit), mec="#1a2230", label=f"{unit}: speedup"
         )
-    title = f"bars, left to right: {', '.join(_units(found))}. {LEGEND}"
+    title = f"bars, left to right: {', '.join(units)}. {LEGEND}"
     figure.legend(handles=handles, loc="outside lower center", ncols=5, title=title)
     return plotting.save(figure, out, f"{NAME}-{comparison}")
 

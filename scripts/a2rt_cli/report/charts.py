@@ -1,6 +1,7 @@
 """Bars as inline SVG: no script, sharp in print, readable by all kinds of colour vision.
 
-Colours are Okabe and Ito's set; every bar also carries its value in words.
+Colours are Okabe and Ito's set, of other units Tol's muted one; every bar also carries its value in
+words.
 """
 
 from __future__ import annotations
@@ -27,6 +28,17 @@ SERIES_COLOURS = (
     "#f0e442",
     "#6b7280",
 )
+# Of units that have none above: never the colour of one that has.
+_OTHER_UNITS = (
+    "#56b4e9",
+    "#882255",
+    "#44aa99",
+    "#999933",
+    "#332288",
+    "#aa4499",
+    "#117733",
+    "#f0e442",
+)
 _DARK = {"#0072b2", "#6b7280", "#009e73", "#d55e00"}
 _ROW = 22
 _GAP = 12
@@ -43,7 +55,7 @@ class Bar:
 
 
 def unit_colour(unit: str, index: int = 0) -> str:
-    return UNIT_COLOURS.get(unit, SERIES_COLOURS[index % len(SERIES_COLOURS)])
+    return UNIT_COLOURS.get(unit, _OTHER_UNITS[index % len(_OTHER_UNITS)])
 
 
 def series_colours(names: Sequence[str]) -> dict[str, str]:

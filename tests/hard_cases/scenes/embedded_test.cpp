@@ -78,10 +78,10 @@ Workload workload_of(const std::string& name) {
   return w;
 }
 
-class EmbeddedSceneTest : public testing::TestWithParam<const char*> {};
+class EmbeddedSceneTest : public testing::TestWithParam<std::string> {};
 
 TEST_P(EmbeddedSceneTest, NoRayLeaksThroughVerticesAndEdgesForUnitsThatNeverMiss) {
-  const bool procedural_only = std::string(GetParam()) == "spheres";
+  const bool procedural_only = embedded::make(GetParam()).meshes.empty();
   const Workload aimed = aim_at_edges(workload_of(GetParam()), 500, 9);
   ASSERT_EQ(aimed.rays.size(), 500U);
   const std::vector<Hit> truth = true_hits(aimed);
@@ -98,9 +98,16 @@ TEST_P(EmbeddedSceneTest, NoRayLeaksThroughVerticesAndEdgesForUnitsThatNeverMiss
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, EmbeddedSceneTest,
-                         testing::Values("cornell", "spheres", "forest", "torture"),
-                         [](const auto& scene) { return std::string(scene.param); });
+std::vector<std::string> names() {
+  std::vector<std::string> all;
+  for (const embedded::Description& one : embedded::all()) {
+    all.push_back(one.name);
+  }
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, EmbeddedSceneTest, testing::ValuesIn(names()),
+                         [](const auto& scene) { return scene.param; });
 
 }  // namespace
 }  // namespace a2rt::hard

@@ -1,7 +1,9 @@
 // Pictures on the stock driver: the same from the same seed, whatever else is varied.
 #include <gtest/gtest.h>
 
+#include "embedded/embedded.h"
 #include "program.h"
+#include "workloads/workload_config.h"
 
 namespace a2rt::test {
 namespace {
@@ -43,16 +45,17 @@ TEST_F(Picture, DoesNotDependOnHowAFrameIsCutIntoDispatches) {
 }
 
 TEST_F(Picture, AutoAndAllEffectsDrawTheSameBytes) {
-  for (const char* scene : {"cornell", "spheres", "forest", "torture"}) {
-    EXPECT_EQ(draw(scene + kSmall), draw(scene + kSmall + " --effects all")) << scene;
+  for (const embedded::Description& scene : embedded::all()) {
+    const std::string arguments = scene.name + kSmall;
+    EXPECT_EQ(draw(arguments), draw(arguments + " --effects all")) << scene.name;
   }
 }
 
 TEST_F(Picture, EveryWorkloadDrawsAndNoneBlack) {
-  for (const char* workload : {"pt", "ptl", "sh", "ao", "hybrid", "refl", "whitted", "anyhit"}) {
+  for (const std::string& workload : workloads::names()) {
     const auto file = folder_.path() / "w.pfm";
-    const Outcome run = run_program(std::string("cornell --size 12x12 --spp 1 -q -w ") + workload +
-                                    " --hdr " + file.string());
+    const Outcome run =
+        run_program("cornell --size 12x12 --spp 1 -q -w " + workload + " --hdr " + file.string());
     ASSERT_EQ(run.status, 0) << run.output;
     double sum = 0;
     for (const float value : read_pfm(file)) {
