@@ -25,7 +25,7 @@ def load(folder: Path) -> list[Result]:
     path = folder / "results.json"
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         raise UserError(
             f"{folder}: no results.json there", "name a folder that `a2rt compare -o` wrote"
         ) from None

@@ -160,6 +160,8 @@ def test_an_unknown_key_of_a_unit_is_refused_with_its_place(a2rt):
 def test_a_report_of_a_folder_without_results_is_refused(a2rt):
     (a2rt.folder / "empty").mkdir()
     assert "results.json" in a2rt.refused("report", "empty")
+    (a2rt.folder / "six.json").write_text("{}", encoding="utf-8")
+    assert "name a folder" in a2rt.refused("report", "six.json")
 
 
 @pytest.mark.parametrize("size", ["0x4", "12", "axb", "4x-1"])

@@ -85,4 +85,5 @@ def print_where(out: Path) -> None:
 
     print(f"\nReport:  {shown(out / 'report.html')}   (one file, opens in any browser)")
     print(f"Numbers: {shown(out / 'results.json')}, {shown(out / 'results.csv')}")
-    print(f"Pictures: {shown(out / 'pictures')}/")
+    if (out / "pictures").is_dir():  # a workload file's scene cannot be drawn again
+        print(f"Pictures: {shown(out / 'pictures')}/")
