@@ -43,7 +43,8 @@ scene::Scene make(const std::string& name) {
     for (const auto& entry : entries()) {
       known += (known.empty() ? "" : ", ") + entry.first;
     }
-    throw UserError("no embedded scene '" + name + "'; known: " + known);
+    throw UserError("no embedded scene '" + name + "'; known: " + known +
+                    "; or name a .gltf or .glb file");
   }
   scene::Scene scene = it->second.make();
   scene.name = name;

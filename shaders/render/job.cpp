@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <glm/geometric.hpp>
 
 #include "a2rt/base/error.h"
@@ -146,9 +147,11 @@ void draw(const Options& options, const scene::Scene& scene) {
 }  // namespace
 
 scene::Scene load_scene(const Options& options) {
-  scene::Scene scene = embedded::exists(options.scene)
+  const std::filesystem::path file = options.scene;
+  const bool named = !file.has_extension() && !std::filesystem::exists(file);
+  scene::Scene scene = named || embedded::exists(options.scene)
                            ? embedded::make(options.scene)
-                           : gltf::load(options.scene, {!options.strict_textures});
+                           : gltf::load(file, {!options.strict_textures});
   if (options.sky != "auto") {
     scene.sky.present = options.sky == "on";
   }

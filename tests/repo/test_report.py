@@ -7,7 +7,7 @@ import re
 import pytest
 from a2rt_cli import results, tables
 from a2rt_cli.figures import fig8
-from a2rt_cli.report import gap, measures, plots, sections, stalls, words
+from a2rt_cli.report import charts, gap, measures, plots, sections, stalls, words
 
 
 def run(unit: str, cycles: int, comparison: str = "same-count", **more) -> dict:
@@ -210,3 +210,9 @@ def test_a_histogram_draws_one_column_a_share():
     heights = [float(h) for h in re.findall(r'height="([\d.]+)" fill', svg)]
     assert heights[1] == pytest.approx(3 * heights[0], rel=0.01)
     assert "a2rt: 75.0%" in svg
+
+
+def test_a_unit_without_a_colour_of_its_own_never_has_anothers():
+    others = {charts.unit_colour("mine", index) for index in range(20)}
+    assert others.isdisjoint(charts.UNIT_COLOURS.values()) and len(others) == 8
+    assert fig8._colour(["mine", "a2rt"], "mine") != fig8._colour(["mine", "a2rt"], "a2rt")

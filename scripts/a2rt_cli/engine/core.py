@@ -12,7 +12,7 @@ from a2rt_cli import console
 from a2rt_cli.engine import programs
 from a2rt_cli.errors import UserError
 from a2rt_cli.files import replacing
-from a2rt_cli.paths import config_folder
+from a2rt_cli.paths import config_folder, shown
 
 
 def _call(words: Sequence[str | Path], what: str, shown: console.Step | None = None) -> list[str]:
@@ -182,6 +182,7 @@ def config_file(kind: str, name: str) -> Path:
     if not path.is_file():
         raise UserError(
             f"{name}: no such {kind.rstrip('s')}",
-            f"name a .toml file or one of: {', '.join(config_names(kind))}",
+            f"write {shown(config_folder(kind))}/{path.stem}.toml, name another file, or one of: "
+            f"{', '.join(config_names(kind))}",
         )
     return path

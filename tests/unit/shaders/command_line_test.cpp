@@ -25,17 +25,18 @@ TEST_P(Refused, EndsWithStatusTwoAndNoOutput) {
 
 INSTANTIATE_TEST_SUITE_P(
     Inputs, Refused,
-    ::testing::Values(Refusal{"no_scene", "", "name a scene"},
-                      Refusal{"absent_file", "nowhere.glb", "no such file"},
-                      Refusal{"bad_size", "cornell --size 0x5", "WIDTHxHEIGHT"},
-                      Refusal{"bad_workload", "cornell -w dance", "known: auto"},
-                      Refusal{"bad_effect", "cornell --effects sparkle", "no effect 'sparkle'"},
-                      Refusal{"bad_camera", "cornell --camera 1,1,1/1,1,1/40", "sees no area"},
-                      Refusal{"bad_angle", "cornell --camera 0,0,9/1,1,1/180", "sees no area"},
-                      Refusal{"unknown_camera", "cornell --camera side", "no camera 'side'"},
-                      Refusal{"bad_length", "cornell -w ao --ao-distance near", "length above 0"},
-                      Refusal{"too_deep", "cornell -w whitted --max-bounces 20",
-                              "at most 7 bounces"}),
+    ::testing::Values(
+        Refusal{"no_scene", "", "name a scene"},
+        Refusal{"absent_file", "nowhere.glb", "no such file"},
+        Refusal{"absent_scene", "nowhere", "no embedded scene 'nowhere'; known: cornell"},
+        Refusal{"bad_size", "cornell --size 0x5", "WIDTHxHEIGHT"},
+        Refusal{"bad_workload", "cornell -w dance", "known: auto"},
+        Refusal{"bad_effect", "cornell --effects sparkle", "no effect 'sparkle'"},
+        Refusal{"bad_camera", "cornell --camera 1,1,1/1,1,1/40", "sees no area"},
+        Refusal{"bad_angle", "cornell --camera 0,0,9/1,1,1/180", "sees no area"},
+        Refusal{"unknown_camera", "cornell --camera side", "no camera 'side'"},
+        Refusal{"bad_length", "cornell -w ao --ao-distance near", "length above 0"},
+        Refusal{"too_deep", "cornell -w whitted --max-bounces 20", "at most 7 bounces"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(CommandLine, NeedsLavapipeAndSaysHowToGetIt) {
