@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <fstream>
-#include <sstream>
+#include <iterator>
 
 #include "a2rt/base/error.h"
 #include "document.h"
@@ -123,12 +123,15 @@ class Flattener {
 
 std::string read_text(const std::filesystem::path& file, const std::string& asked_at) {
   std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || std::filesystem::is_directory(file) || !(text << in.rdbuf() || in.eof())) {
+  std::string text;
+  if (in && !std::filesystem::is_directory(file)) {
+    text.assign(std::istreambuf_iterator<char>(in), {});  // unlike <<, at ease with an empty file
+  }
+  if (!in || std::filesystem::is_directory(file)) {
     throw UserError(asked_at + "cannot read the configuration file '" + file.string() +
                     "'; check the path");
   }
-  return text.str();
+  return text;
 }
 
 Document read_chain(const std::filesystem::path& file, std::vector<std::filesystem::path>& chain,

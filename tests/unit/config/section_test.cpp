@@ -201,6 +201,13 @@ TEST(Section, InheritedValuesHoldWhereTheFileIsSilent) {
                 ":5:2: unknown key 'l2'; did you mean 'l1'?");
 }
 
+TEST(Section, AnEmptyFileHasOnlyDefaults) {
+  const Folder folder;
+  const auto top = Section::from_file(folder.file("empty.toml", ""));
+  EXPECT_EQ(top.integer("warps", 4, 1, 99, "warps", "Resident warps"), 4);
+  EXPECT_NO_THROW(top.reject_unknown_keys());
+}
+
 TEST(Section, InheritanceCyclesAndMissingFilesAreRefused) {
   const Folder folder;
   const auto a = folder.file("a.toml", "inherits = 'b.toml'\n");
