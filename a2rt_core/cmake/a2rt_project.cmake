@@ -19,6 +19,8 @@ add_library(a2rt_build_flags INTERFACE)
 add_library(a2rt::build_flags ALIAS a2rt_build_flags)
 target_compile_options(a2rt_build_flags INTERFACE
   -Wall -Wextra -Wconversion -Wshadow -Werror
+  # Clang counts it to -Wconversion; what one compiler refuses, the other shall too.
+  $<$<CXX_COMPILER_ID:GNU>:-Wsign-conversion>
   # Results must not depend on whether the compiler fuses a multiply and an add: every bound in
   # arith/ is proved for separately rounded operations.
   -ffp-contract=off

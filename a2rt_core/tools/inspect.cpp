@@ -79,7 +79,7 @@ Json rays(const Workload& w) {
     inferred += state == HitState::kHitInferred ? 1 : 0;
     unknown += state == HitState::kUnknown ? 1 : 0;
     queries += (ray.flags & kRayQuery) != 0 ? 1 : 0;
-    overridden += (ray.flags & kRayOverridden) != 0 ? 1 : 0;
+    overridden += (ray.flags & kRayOverridden) != 0 ? 1U : 0U;
     deepest = std::max<std::uint64_t>(deepest, ray.ordinal + 1);
   }
   return {{"count", w.rays.size()},

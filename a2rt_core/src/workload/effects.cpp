@@ -152,8 +152,8 @@ class Deriver {
     for (std::size_t i = 0; i < w_.rays.size(); ++i) {
       const auto own = candidates_of(w_, i);
       const auto is_report = [](const Candidate& c) { return c.is_report != 0; };
-      reported += std::any_of(own.begin(), own.end(), is_report) ? 1 : 0;
-      judged += !std::all_of(own.begin(), own.end(), is_report) ? 1 : 0;
+      reported += std::any_of(own.begin(), own.end(), is_report) ? 1U : 0U;
+      judged += !std::all_of(own.begin(), own.end(), is_report) ? 1U : 0U;
     }
     use_rays(Effect::kAnyHit, judged, plural(judged, "ray") + " with judged candidates");
     if (reported > 0) {

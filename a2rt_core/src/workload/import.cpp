@@ -212,8 +212,8 @@ class Importer {
       report_.inferred_misses += state == HitState::kMiss ? 1 : 0;
     }
     for (std::size_t i = 0; i < workload_.rays.size(); ++i) {
-      report_.unknown += workload_.driver_hits[i].state == HitState::kUnknown ? 1 : 0;
-      report_.overridden += (workload_.rays[i].flags & kRayOverridden) != 0 ? 1 : 0;
+      report_.unknown += workload_.driver_hits[i].state == HitState::kUnknown ? 1U : 0U;
+      report_.overridden += (workload_.rays[i].flags & kRayOverridden) != 0 ? 1U : 0U;
     }
   }
 

@@ -58,8 +58,8 @@ class Decider {
                         rests_on_ignorance(index, ray, unit, before);
     VerdictEntry now = stands ? before : changed(index, ray, unit);
     now.reserved = keeps(now) ? 0 : mark_of(ray);
-    summary_.entries += keeps(now) ? 0 : 1;
-    summary_.changed += same_entry(now, before) ? 0 : 1;
+    summary_.entries += keeps(now) ? 0U : 1U;
+    summary_.changed += same_entry(now, before) ? 0U : 1U;
     return now;
   }
 
