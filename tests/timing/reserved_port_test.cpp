@@ -42,7 +42,7 @@ TEST_P(AnyOrder, reservations_equal_those_of_a_list_of_taken_cycles) {
   std::uint64_t now = random() % 1000;
   for (int i = 0; i < 3000; ++i) {
     now += random() % 4 == 0 ? random() % 40 : 0;
-    now += random() % 500 == 0 ? 5000 : 0;
+    now += random() % 500 == 0 ? 5000U : 0U;
     // Far beyond the ring now and then, which makes it grow.
     const std::uint64_t ready = now + random() % (random() % 200 == 0 ? 4000 : 300);
     const std::uint32_t n = 1 + random() % 4;

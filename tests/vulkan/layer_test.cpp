@@ -193,7 +193,7 @@ TEST(Capture, inactive_instances_keep_their_place) {
     for (std::size_t i = 0; i < structure.instances.size(); ++i) {
       const bool by_pointer = structure.instances[0].custom_index != 0;
       EXPECT_EQ(structure.instances[i].custom_index, by_pointer ? 13 - i : i);
-      inactive += structure.instances[i].blas_address == 0 ? 1 : 0;
+      inactive += structure.instances[i].blas_address == 0 ? 1U : 0U;
     }
   }
   EXPECT_EQ(inactive, 2u);

@@ -146,7 +146,7 @@ TEST_F(Verdicts, TheDriverFindsTheUnitsHitUnderThem) {
       Ray behind = w_.rays[i];
       behind.tmin = units_[i].t;
       units_[i] = walk.walk(behind, {}).hit;
-      farther += units_[i].state == HitState::kHit ? 1 : 0;
+      farther += units_[i].state == HitState::kHit ? 1U : 0U;
     }
   }
   ASSERT_GT(farther, 20u);

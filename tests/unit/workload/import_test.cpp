@@ -491,7 +491,7 @@ TEST_F(Capture, FlippedBitsNeverCrashTheImporter) {
     const std::size_t range =
         i % 4 == 0 ? std::min<std::size_t>(target.size(), 900) : target.size();
     target[random.bits() % range] ^= static_cast<std::byte>(1u << random.below(8));
-    refused += import_error(manifest, records) != "no error" ? 1 : 0;
+    refused += import_error(manifest, records) != "no error" ? 1U : 0U;
   }
   EXPECT_GT(refused, 100u);
 }
