@@ -2,16 +2,14 @@
 // what is said of a unit that there is not.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "a2rt/workload/file.h"
 #include "a2rt/workload/synthetic.h"
+#include "workload/core_run.h"
 #include "workload/scratch_folder.h"
 
 namespace a2rt {
@@ -19,10 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-struct Outcome {
-  int status = -1;
-  std::string output;
-};
+using testing::CoreRun;
 
 class UnitOption : public ::testing::Test {
  protected:
@@ -32,21 +27,11 @@ class UnitOption : public ::testing::Test {
     std::ofstream(path(name)) << text;
   }
   // a2rt-core with the scratch folder as its folder of configurations.
-  Outcome run(const std::string& arguments) const {
-    Outcome outcome;
-    const std::string command = "A2RT_CONFIGS='" + folder_.path().string() +
-                                "' " A2RT_CORE_BINARY " " + arguments + " 2>&1";
-    FILE* pipe = ::popen(command.c_str(), "r");
-    std::array<char, 4096> part;
-    while (pipe != nullptr && std::fgets(part.data(), part.size(), pipe) != nullptr) {
-      outcome.output += part.data();
-    }
-    const int status = pipe == nullptr ? -1 : ::pclose(pipe);
-    outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return outcome;
+  CoreRun run(const std::string& arguments) const {
+    return testing::run_core(arguments, "A2RT_CONFIGS='" + folder_.path().string() + "'");
   }
   std::string refused(const std::string& arguments) const {
-    const Outcome outcome = run(arguments);
+    const CoreRun outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << outcome.output;
     EXPECT_THAT(outcome.output, HasSubstr("a2rt, a2rt-literal, aqb8, baseline"));
     return outcome.output;
@@ -59,7 +44,7 @@ class UnitOption : public ::testing::Test {
     return path("w.h5");
   }
   std::uint64_t benched_node_bytes(const std::string& unit) const {
-    const Outcome outcome = run("bench-units " + path("w.h5") + " --repeats 1 --units " + unit +
+    const CoreRun outcome = run("bench-units " + path("w.h5") + " --repeats 1 --units " + unit +
                                 " -o " + path("bench.json"));
     EXPECT_EQ(outcome.status, 0) << outcome.output;
     std::ifstream file(path("bench.json"));

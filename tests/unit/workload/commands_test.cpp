@@ -1,15 +1,13 @@
 // The commands import, check and inspect, as a user runs them: output, exit status, files left.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <fstream>
 
 #include "a2rt/workload/exact_walk.h"
 #include "a2rt/workload/file.h"
 #include "a2rt/workload/synthetic.h"
+#include "core_run.h"
 #include "raw_capture.h"
 #include "scratch_folder.h"
 
@@ -18,22 +16,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-struct Outcome {
-  int status = -1;
-  std::string output;
-};
-
-Outcome run(const std::string& arguments) {
-  Outcome outcome;
-  FILE* pipe = ::popen((std::string(A2RT_CORE_BINARY) + " " + arguments + " 2>&1").c_str(), "r");
-  std::array<char, 4096> part;
-  while (pipe != nullptr && std::fgets(part.data(), part.size(), pipe) != nullptr) {
-    outcome.output += part.data();
-  }
-  const int status = pipe == nullptr ? -1 : ::pclose(pipe);
-  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
-}
+using testing::CoreRun;
+using testing::run_core;
 
 class Commands : public ::testing::Test {
  protected:
@@ -77,7 +61,7 @@ class Commands : public ::testing::Test {
         .write(reinterpret_cast<const char*>(bytes.data()),
                static_cast<std::streamsize>(bytes.size()));
   }
-  Outcome import() const { return run("import " + folder_.path().string() + " -o " + file_); }
+  CoreRun import() const { return run_core("import " + folder_.path().string() + " -o " + file_); }
 
   testing::ScratchFolder folder_;
   std::string file_ = (folder_.path() / "w.h5").string();
@@ -85,10 +69,10 @@ class Commands : public ::testing::Test {
 
 TEST_F(Commands, ImportThenCheckFindsEveryRayEqual) {
   capture();
-  const Outcome imported = import();
+  const CoreRun imported = import();
   EXPECT_EQ(imported.status, 0) << imported.output;
   EXPECT_THAT(imported.output, HasSubstr("192 rays"));
-  const Outcome checked = run("check " + file_);
+  const CoreRun checked = run_core("check " + file_);
   EXPECT_EQ(checked.status, 0) << checked.output;
   EXPECT_THAT(checked.output, HasSubstr("192 bit-equal, 0 different (100.00000 % equal)"));
 }
@@ -96,7 +80,7 @@ TEST_F(Commands, ImportThenCheckFindsEveryRayEqual) {
 TEST_F(Commands, CheckOfAFalseCaptureExitsWithOne) {
   capture(1e-3f);
   ASSERT_EQ(import().status, 0);
-  const Outcome checked = run("check " + file_);
+  const CoreRun checked = run_core("check " + file_);
   EXPECT_EQ(checked.status, 1);
   EXPECT_THAT(checked.output, HasSubstr("another distance"));
 }
@@ -104,26 +88,26 @@ TEST_F(Commands, CheckOfAFalseCaptureExitsWithOne) {
 TEST_F(Commands, InspectTellsCountsAndEffects) {
   capture();
   ASSERT_EQ(import().status, 0);
-  const Outcome table = run("inspect " + file_);
+  const CoreRun table = run_core("inspect " + file_);
   EXPECT_EQ(table.status, 0);
   EXPECT_THAT(table.output, HasSubstr("closest_hit"));
-  const Outcome json = run("inspect --json " + file_);
+  const CoreRun json = run_core("inspect --json " + file_);
   EXPECT_EQ(json.status, 0);
   EXPECT_THAT(json.output, HasSubstr("\"count\": 192"));
   EXPECT_THAT(json.output, HasSubstr("\"reason\": \"no candidate that a shader judged\""));
 }
 
 TEST_F(Commands, BadInputExitsWithTwoAndLeavesNoFile) {
-  const Outcome missing = import();
+  const CoreRun missing = import();
   EXPECT_EQ(missing.status, 2);
   EXPECT_THAT(missing.output, HasSubstr("no capture: manifest.bin is missing"));
   capture();
   std::filesystem::resize_file(folder_.path() / "records.bin", 160);
-  const Outcome cut = import();
+  const CoreRun cut = import();
   EXPECT_EQ(cut.status, 2);
   EXPECT_THAT(cut.output, HasSubstr("records.bin: cut off"));
   EXPECT_FALSE(std::filesystem::exists(file_));
-  EXPECT_EQ(run("check " + file_).status, 2);
+  EXPECT_EQ(run_core("check " + file_).status, 2);
   std::ofstream(folder_.path() / "manifest.bin.part") << "A2RM";
   EXPECT_THAT(import().output, HasSubstr("the capture is not complete"));
 }
