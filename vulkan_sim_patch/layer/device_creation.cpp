@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "layer/entry_points.h"
+#include "layer/feature_chain.h"
 #include "layer/log.h"
 #include "layer/registry.h"
 
@@ -47,71 +48,6 @@ DriverDescription describe_driver(const InstanceTable& table, VkPhysicalDevice p
   out.driver_info = driver.driverInfo;
   return out;
 }
-
-// Structures of the program's create info whose feature the rewritten shaders need. They belong to
-// the program, so what is switched on is switched off again after the call.
-class FeatureSwitch {
- public:
-  explicit FeatureSwitch(const VkDeviceCreateInfo& program) : info_(program) {
-    for (auto* item = static_cast<VkBaseOutStructure*>(const_cast<void*>(program.pNext));
-         item != nullptr; item = item->pNext) {
-      visit(*item);
-    }
-    if (program.pEnabledFeatures != nullptr) {
-      features_ = *program.pEnabledFeatures;
-      features_.fragmentStoresAndAtomics = VK_TRUE;
-      info_.pEnabledFeatures = &features_;
-    }
-    if (!has_addresses_) {
-      addresses_.pNext = const_cast<void*>(info_.pNext);
-      info_.pNext = &addresses_;
-    }
-  }
-  ~FeatureSwitch() {
-    for (VkBool32* feature : switched_) {
-      *feature = VK_FALSE;
-    }
-  }
-  FeatureSwitch(const FeatureSwitch&) = delete;
-  FeatureSwitch& operator=(const FeatureSwitch&) = delete;
-  const VkDeviceCreateInfo* info() const { return &info_; }
-
- private:
-  void visit(VkBaseOutStructure& item) {
-    switch (item.sType) {
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES:
-        has_addresses_ = true;
-        enable(reinterpret_cast<VkPhysicalDeviceVulkan12Features&>(item).bufferDeviceAddress);
-        break;
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES:
-        has_addresses_ = true;
-        enable(reinterpret_cast<VkPhysicalDeviceBufferDeviceAddressFeatures&>(item)
-                   .bufferDeviceAddress);
-        break;
-      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2:
-        enable(
-            reinterpret_cast<VkPhysicalDeviceFeatures2&>(item).features.fragmentStoresAndAtomics);
-        break;
-      default:
-        break;
-    }
-  }
-  void enable(VkBool32& feature) {
-    // A set feature is left alone: the structure may stand in read-only memory.
-    if (feature == VK_FALSE) {
-      feature = VK_TRUE;
-      switched_.push_back(&feature);
-    }
-  }
-
-  VkDeviceCreateInfo info_;
-  VkPhysicalDeviceFeatures features_{};
-  VkPhysicalDeviceBufferDeviceAddressFeatures addresses_{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES, nullptr, VK_TRUE, VK_FALSE,
-      VK_FALSE};
-  std::vector<VkBool32*> switched_;
-  bool has_addresses_ = false;
-};
 
 // Says which ways of this device's program the capture cannot follow.
 void refuse_extensions(Device& device, const std::vector<std::string>& extensions) {
@@ -154,6 +90,21 @@ Settings settings_of_process() {
   return settings;
 }
 
+// Takes from the settings what belongs to another device.
+void make_way(DeviceSetup& setup) {
+  std::string& folder = setup.settings.capture_directory;
+  if (setup.settings.instrumenting() && registry().has_session()) {
+    warn("a second device at the same time is neither captured nor given verdicts");
+    folder.clear();
+    setup.settings.verdict_file.clear();
+  }
+  if (!folder.empty() && registry().has_captured()) {
+    warn("this device is not captured: " + folder +
+         " holds the capture of an earlier device of this program");
+    folder.clear();
+  }
+}
+
 std::unique_ptr<Device> activate(const DeviceSetup& setup) {
   auto device = std::make_unique<Device>(setup);
   refuse_extensions(*device, setup.extensions);
@@ -191,17 +142,8 @@ VkResult CreateDevice(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
     }
     return result;
   }
-  if (setup.settings.instrumenting() && registry().has_session()) {
-    warn("a second device at the same time is neither captured nor given verdicts");
-    setup.settings.capture_directory.clear();
-    setup.settings.verdict_file.clear();
-  }
-  if (!setup.settings.capture_directory.empty() && registry().has_captured()) {
-    warn("this device is not captured: " + setup.settings.capture_directory +
-         " holds the capture of an earlier device of this program");
-    setup.settings.capture_directory.clear();
-  }
-  std::optional<FeatureSwitch> features;
+  make_way(setup);
+  std::optional<FeatureChain> features;
   if (setup.settings.instrumenting()) {
     features.emplace(*info);
   }

@@ -18,6 +18,8 @@ constexpr std::array kExtensions = {VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME
                                     VK_EXT_MULTI_DRAW_EXTENSION_NAME,
                                     VK_EXT_TRANSFORM_FEEDBACK_EXTENSION_NAME,
                                     "VK_KHR_maintenance6"};  // not in older headers
+// Constant data, as it may be: who creates the device may only read it.
+const VkPhysicalDeviceFeatures2 kPlain{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, nullptr, {}};
 
 std::map<std::string, Run>& registered() {
   static std::map<std::string, Run> all;
@@ -107,7 +109,8 @@ void App::create_device() {
   physical_ = *found;
 
   VkPhysicalDeviceTransformFeedbackFeaturesEXT feedback{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TRANSFORM_FEEDBACK_FEATURES_EXT, nullptr, VK_TRUE, 0};
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TRANSFORM_FEEDBACK_FEATURES_EXT,
+      const_cast<VkPhysicalDeviceFeatures2*>(&kPlain), VK_TRUE, 0};
   VkPhysicalDeviceMultiDrawFeaturesEXT multi{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTI_DRAW_FEATURES_EXT, &feedback, VK_TRUE};
   VkPhysicalDeviceMeshShaderFeaturesEXT mesh{};
