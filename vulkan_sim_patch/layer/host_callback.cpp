@@ -149,9 +149,6 @@ void HostCallbacks::run() {
           (Clock::now() - waiting_since) / kDelayShare, kShortestPoll, kLongestPoll));
     }
     lock.lock();
-    if (served) {
-      --pending_;
-    }
   }
 }
 
@@ -179,6 +176,9 @@ bool HostCallbacks::serve_one() {
   } catch (const std::exception& error) {
     warn(error.what());
   }
+  // The program may destroy the device as soon as the answer stands: by then nothing may look as
+  // if it still ran.
+  unexpect(1);
   table_.SetEvent(device_, answers_);
   return true;
 }

@@ -41,7 +41,7 @@ class HostCallbacks {
 
   // Tells how many callbacks a submit will run, before it is submitted.
   void expect(std::uint64_t count);
-  // The submit failed.
+  // The submit failed, or a callback has run.
   void unexpect(std::uint64_t count);
   std::uint64_t pending() const;
 
