@@ -203,6 +203,15 @@ CaptureFiles read_capture(const std::string& folder) {
   return files;
 }
 
+void visit_records(const CaptureFiles& files,
+                   const std::function<void(const std::uint32_t*)>& visit) {
+  for (std::uint64_t unit = 0; unit < files.end.units;) {
+    const std::uint32_t* words = files.records.data() + unit * 4;
+    visit(words);
+    unit += units_of(static_cast<RecordKind>(words[0] & 0xffu));
+  }
+}
+
 RecordCounts count_records(const CaptureFiles& files) {
   RecordCounts counts;
   std::map<std::pair<std::uint32_t, std::uint32_t>, Launch> launches;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -53,5 +54,8 @@ struct CaptureFiles {
 // Throws std::runtime_error if anything is missing or inconsistent.
 CaptureFiles read_capture(const std::string& folder);
 RecordCounts count_records(const CaptureFiles& files);
+// Calls `visit` with the words of each record, in the order of the file.
+void visit_records(const CaptureFiles& files,
+                   const std::function<void(const std::uint32_t*)>& visit);
 
 }  // namespace a2rt::test

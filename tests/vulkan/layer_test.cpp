@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <memory>
 #include <set>
 
 #include "capture_files.h"
@@ -111,6 +114,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"library", 1, kPixels, RecordKind::kHit},
                     Expectation{"procedural", 1, kPixels, RecordKind::kReport},
                     Expectation{"query_compute", 1, kPixels, RecordKind::kQueryVerdict},
+                    Expectation{"query_alive", 1, 3 * kPixels, RecordKind::kQueryVerdict},
                     Expectation{"pushes", 3, 3 * kPixels, RecordKind::kHit},
                     Expectation{"query_dispatch_base", 1, kPixels / 2, RecordKind::kQueryStep,
                                 true},
@@ -244,6 +248,30 @@ TEST(Capture, record_kinds_and_counters_can_be_left_out) {
 
 TEST(Capture, records_beyond_the_limit_are_counted_not_written) {
   NEEDS_LAVAPIPE();
+// The rays of the program have intervals that do not overlap.
+TEST(Capture, records_of_queries_alive_at_once_name_their_ray) {
+  NEEDS_LAVAPIPE();
+  const Folder folder;
+  const CaptureFiles files = capture_of("query_alive", folder);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<float, float>> intervals;
+  std::uint64_t checked = 0;
+  visit_records(files, [&](const std::uint32_t* words) {
+    const auto number = [&](std::size_t word) { return std::bit_cast<float>(words[word]); };
+    const auto kind = static_cast<RecordKind>(words[0] & 0xffu);
+    if (kind == RecordKind::kRay) {
+      intervals[{words[1], words[3] + 1}] = {number(7), number(11)};
+    }
+    const bool has_t =
+        kind == RecordKind::kQueryVerdict || (kind == RecordKind::kQueryStep && words[4] != 0);
+    if (has_t) {
+      const auto& [tmin, tmax] = intervals.at({words[1], words[3]});
+      EXPECT_TRUE(tmin < number(5) && number(5) < tmax) << number(5) << " at ray " << words[3];
+      ++checked;
+    }
+  });
+  EXPECT_GT(checked, 2 * kPixels);
+}
+
   const Folder folder;
   const RunResult plain = run_program("any_hit", folder, false);
   const RunResult result = run_program(

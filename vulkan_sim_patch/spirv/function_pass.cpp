@@ -165,10 +165,8 @@ void FunctionPass::instruction(const Instruction& original) {
       segment();
       break;
     case Op::OpFunctionCall:
-      if (shared_.calls.may_flush(original.operand(0))) {
-        emit_pending();
-      }
-      break;
+      call(original);
+      return;
     case Op::OpRayQueryProceedKHR:
       copy(original);
       if (options.results) {
@@ -239,7 +237,14 @@ void FunctionPass::segment() {
 void FunctionPass::trace(const Instruction& original) {
   const std::uint32_t number = next_site_++;
   const bool wanted = shared_.keeps_ordinals() && number < shared_.options.site_limit;
+  const bool names_query =
+      original.op() == Op::OpRayQueryInitializeKHR && shared_.records_queries();
   if (!wanted) {
+    CodeBuilder unrecorded(types_);
+    if (names_query) {
+      shared_.queries.begin(unrecorded, original, unrecorded.constant(0));
+    }
+    append_code(unrecorded);
     copy(original);
     return;
   }
@@ -267,6 +272,9 @@ void FunctionPass::trace(const Instruction& original) {
     writer.append(code, site, RecordKind::kRay, {start, way, rest, counted[0], counted[1]});
   }
   writer.advance_ordinal(code, site);
+  if (names_query) {
+    shared_.queries.begin(code, original, code.binary(Op::OpIAdd, site.ordinal, code.constant(1)));
+  }
   append_code(code);
   Instruction edited = original;
   if (shared_.options.verdicts) {
@@ -275,6 +283,22 @@ void FunctionPass::trace(const Instruction& original) {
     edited.set_operand(at.tmax, bent.tmax);
   }
   out_.push_back(std::move(edited));
+}
+
+void FunctionPass::call(const Instruction& original) {
+  if (shared_.calls.may_flush(original.operand(0))) {
+    emit_pending();
+  }
+  CodeBuilder code(types_);
+  if (shared_.records_queries()) {
+    shared_.queries.ordinals().hand_over(code, original);
+  }
+  append_code(code);
+  copy(original);
+  if (shared_.records_queries()) {
+    shared_.queries.ordinals().take_back(code, original);
+  }
+  append_code(code);
 }
 
 void FunctionPass::report(const Instruction& original) {

@@ -25,6 +25,7 @@ struct Instrumentation {
   QueryRecords& queries;
 
   bool keeps_ordinals() const { return options.rays || options.verdicts; }
+  bool records_queries() const { return options.results || options.candidates; }
 };
 
 // Writes a kEnd record, if counters are on.
@@ -45,6 +46,7 @@ class FunctionPass {
   void instruction(const Instruction& original);
   void leave(std::span<const Instruction> tail);
   void trace(const Instruction& original);
+  void call(const Instruction& original);
   void report(const Instruction& original);
   void segment();
   void emit_pending();

@@ -128,7 +128,7 @@ class Rewriter {
     }
   }
 
-  std::vector<Id> variables(std::vector<Id> inputs) const {
+  std::vector<Id> variables(std::vector<Id> inputs) {
     if (module_.version() >= kAllGlobalsListed) {
       const auto add = [&](const std::vector<Id>& more) {
         inputs.insert(inputs.end(), more.begin(), more.end());
@@ -136,6 +136,7 @@ class Rewriter {
       add(writer_.variables());
       add(counters_.variables());
       add(hits_.variables());
+      add(queries_.ordinals().variables());
     }
     return inputs;
   }

@@ -41,40 +41,24 @@ bool QueryRecords::is_constant(Id id) const {
   return defined != nullptr && defined->op() == Op::OpConstant;
 }
 
-QueryRecords::Path QueryRecords::path_to(const Instruction& proceed) const {
-  const Module& module = types_.module();
-  const auto is_object = [&](Id id) {
-    const Instruction* const defined = module.definition(id);
-    return defined != nullptr &&
-           (defined->op() == Op::OpVariable || defined->op() == Op::OpFunctionParameter);
-  };
-  const Id query = proceed.operand(0);
-  const Instruction* const defined = module.definition(query);
-  if (is_object(query)) {
-    return {query, 0, {}};
-  }
-  const bool is_chain = defined != nullptr && (defined->op() == Op::OpAccessChain ||
-                                               defined->op() == Op::OpInBoundsAccessChain);
-  if (!is_chain || !is_object(defined->operand(0))) {
-    proceed.fail("uses a ray query that is neither a variable nor an element of one");
-  }
-  const auto indices = defined->operands().subspan(1);
-  return {defined->operand(0), defined->type(), {indices.begin(), indices.end()}};
+void QueryRecords::begin(CodeBuilder& code, const Instruction& initialize, Id count) {
+  ordinals_.store(code, query_path(types_.module(), initialize.operand(0), initialize), count);
 }
 
 void QueryRecords::put_step(CodeBuilder& code, const Instruction& proceed) {
-  const Path path = path_to(proceed);
+  const QueryPath path = query_path(types_.module(), proceed.operand(0), proceed);
   std::vector<Id> call{step_function(path), path.base};
   for (const Id index : path.indices) {
     if (!is_constant(index)) {
       call.push_back(index);
     }
   }
+  call.push_back(ordinals_.load(code, path));
   call.push_back(proceed.result());
   code.emit(Op::OpFunctionCall, types_.void_type(), call);
 }
 
-Id QueryRecords::step_function(const Path& path) {
+Id QueryRecords::step_function(const QueryPath& path) {
   const Module& module = types_.module();
   std::vector<Id> parameters{module.type_of(path.base)};
   Key key{path.element_pointer, parameters[0]};
@@ -84,6 +68,7 @@ Id QueryRecords::step_function(const Path& path) {
       parameters.push_back(module.type_of(index));
     }
   }
+  parameters.push_back(types_.uint_type());
   parameters.push_back(types_.bool_type());
   const auto [known, fresh] = functions_.emplace(key, 0);
   if (!fresh) {
@@ -108,15 +93,16 @@ Id QueryRecords::step_function(const Path& path) {
     }
     query = code.emit(Op::OpAccessChain, path.element_pointer, chain);
   }
-  write_step(code, query, arguments.back(), label);
+  write_step(code, {query, arguments[arguments.size() - 2], arguments.back()}, label);
   code.add(Instruction(Op::OpReturn, std::vector<std::uint32_t>{}));
   code.add(Instruction(Op::OpFunctionEnd, std::vector<std::uint32_t>{}));
   code_.push_back(code.take());
   return known->second;
 }
 
-void QueryRecords::write_step(CodeBuilder& code, Id query, Id more, Id entry_label) const {
-  QueryReader committed(code, query, spv::RayQueryIntersection::RayQueryCommittedIntersectionKHR);
+void QueryRecords::write_step(CodeBuilder& code, const Step& step, Id entry_label) const {
+  QueryReader committed(code, step.query,
+                        spv::RayQueryIntersection::RayQueryCommittedIntersectionKHR);
   const Id zero = code.constant(0);
   const Id type = committed.word(Op::OpRayQueryGetIntersectionTypeKHR);
   const Id exists = code.compare(Op::OpINotEqual, type, zero);
@@ -142,14 +128,15 @@ void QueryRecords::write_step(CodeBuilder& code, Id query, Id more, Id entry_lab
   const Id none = types_.composite(uvec4, {0, 0, 0, 0});
   const Id first = code.emit(Op::OpPhi, uvec4, {hit, hit_label, none, entry_label});
   const Id second = code.emit(Op::OpPhi, uvec4, {place_of_hit, hit_label, none, entry_label});
-  const RecordSite site = writer_.begin(code);
-  writer_.append(
-      code, site, RecordKind::kQueryStep,
-      {first, code.uvec4(code.component(second, 0), code.component(second, 1),
-                         code.select(more, code.constant(1), zero), code.component(second, 3))});
+  RecordSite site = writer_.begin(code);
+  site.ordinal = step.ordinal;
+  writer_.append(code, site, RecordKind::kQueryStep,
+                 {first, code.uvec4(code.component(second, 0), code.component(second, 1),
+                                    code.select(step.more, code.constant(1), zero),
+                                    code.component(second, 3))});
 }
 
-void QueryRecords::put_verdict(CodeBuilder& code, const Instruction& instruction) const {
+void QueryRecords::put_verdict(CodeBuilder& code, const Instruction& instruction) {
   const bool terminates = instruction.op() == Op::OpRayQueryTerminateKHR;
   const AnyHitVerdict verdict = terminates ? AnyHitVerdict::kTerminate : AnyHitVerdict::kAccept;
   const Id flag = code.constant(static_cast<std::uint32_t>(verdict));
@@ -169,7 +156,9 @@ void QueryRecords::put_verdict(CodeBuilder& code, const Instruction& instruction
         code.uvec4(candidate.word(Op::OpRayQueryGetIntersectionGeometryIndexKHR),
                    candidate.word(Op::OpRayQueryGetIntersectionInstanceCustomIndexKHR), flag, zero);
   }
-  const RecordSite site = writer_.begin(code);
+  RecordSite site = writer_.begin(code);
+  site.ordinal =
+      ordinals_.load(code, query_path(types_.module(), instruction.operand(0), instruction));
   writer_.append(code, site, RecordKind::kQueryVerdict, {first, second});
 }
 

@@ -66,6 +66,14 @@ Id TypePool::function_type(Id result, const std::vector<Id>& parameters) {
   return find_or_create(spv::Op::OpTypeFunction, 0, signature);
 }
 
+Id TypePool::new_aggregate(spv::Op op, const std::vector<std::uint32_t>& operands) {
+  const Id id = fresh_id();
+  std::vector<std::uint32_t> words{id};
+  words.insert(words.end(), operands.begin(), operands.end());
+  new_globals_.emplace_back(op, words);
+  return id;
+}
+
 Id TypePool::unbounded_block(Id element, std::uint32_t stride) {
   const Id array = fresh_id();
   const Id block = fresh_id();

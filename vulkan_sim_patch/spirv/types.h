@@ -34,6 +34,8 @@ class TypePool {
   Id procedure_type(const std::vector<Id>& parameters = {}) {
     return function_type(void_type(), parameters);
   }
+  // A new array or struct, which is never another's even if it looks the same.
+  Id new_aggregate(spv::Op op, const std::vector<std::uint32_t>& operands);
   // A new struct whose one member is an unbounded array of `element`, laid out with `stride`.
   Id unbounded_block(Id element, std::uint32_t stride);
 

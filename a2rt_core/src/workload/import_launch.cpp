@@ -221,14 +221,21 @@ void LaunchParser::add_candidate(const Call& call, const Record& record) {
                           record.word(2, 2), report ? 1u : 0u}});
 }
 
-LaunchParser::Query* LaunchParser::find_query(std::uint32_t ray) {
-  const auto found = std::find_if(queries_.rbegin(), queries_.rend(),
-                                  [&](const Query& query) { return query.ray == ray; });
-  return found == queries_.rend() ? nullptr : &*found;
+// The query whose ray's ordinal the record names; else the latest one of the call.
+LaunchParser::Query* LaunchParser::query_of(const Call& call, const Record& record) {
+  const auto latest = [&](auto matches) {
+    const auto found = std::find_if(queries_.rbegin(), queries_.rend(), matches);
+    return found == queries_.rend() ? nullptr : &*found;
+  };
+  Query* const named = latest([&](const Query& query) {
+    return workload_.rays[query.ray].ordinal + 1 == record.ordinal();
+  });
+  return named != nullptr ? named
+                          : latest([&](const Query& query) { return query.ray == call.query; });
 }
 
-void LaunchParser::query_step(Call& call, const Record& record) {
-  Query* query = find_query(call.query);
+void LaunchParser::query_step(const Call& call, const Record& record) {
+  Query* query = query_of(call, record);
   if (query == nullptr) {
     ++open_ends_.orphans;
     return;
@@ -253,18 +260,20 @@ void LaunchParser::query_step(Call& call, const Record& record) {
          record.word(2, 0), record.word(1, 2),   kind};
 }
 
-void LaunchParser::query_verdict(Call& call, const Record& record) {
-  Query* query = find_query(call.query);
+void LaunchParser::query_verdict(const Call& call, const Record& record) {
+  Query* query = query_of(call, record);
   if (query == nullptr) {
     ++open_ends_.orphans;
     return;
   }
   if (static_cast<AnyHitVerdict>(record.word(2, 2)) == AnyHitVerdict::kTerminate) {
     // Accepting and terminating is one verdict, if the accepted candidate is a triangle.
-    const bool tells = query->accepted && candidates_.back().ray == query->ray &&
-                       candidates_.back().candidate.is_report == 0;
+    const auto last = std::find_if(candidates_.rbegin(), candidates_.rend(),
+                                   [&](const auto& one) { return one.ray == query->ray; });
+    const bool tells =
+        query->accepted && last != candidates_.rend() && last->candidate.is_report == 0;
     if (tells) {
-      candidates_.back().candidate.verdict = static_cast<std::uint32_t>(AnyHitVerdict::kTerminate);
+      last->candidate.verdict = static_cast<std::uint32_t>(AnyHitVerdict::kTerminate);
     }
     query->stopped = !tells;
     return;

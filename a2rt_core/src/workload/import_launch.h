@@ -63,12 +63,12 @@ class LaunchParser {
   void close_trace(Call& call);
   void pop();
   void add_candidate(const Call& call, const Record& record);
-  void query_step(Call& call, const Record& record);
-  void query_verdict(Call& call, const Record& record);
+  void query_step(const Call& call, const Record& record);
+  void query_verdict(const Call& call, const Record& record);
   void finish_query(const Query& query);
   void add_segment(const Record& record, std::size_t first_unit, std::uint32_t ray);
   std::uint32_t tlas_of(const Record& record) const;
-  Query* find_query(std::uint32_t ray);
+  Query* query_of(const Call& call, const Record& record);
 
   const Manifest& manifest_;
   const RawDispatch& dispatch_;

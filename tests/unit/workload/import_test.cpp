@@ -341,6 +341,19 @@ TEST_F(Capture, QueriesGetTheCandidatesTheyPassedOver) {
   EXPECT_EQ(check_workload(w).equal, scene_.rays.size());
 }
 
+TEST_F(Capture, QueriesAliveAtOnceKeepTheirOwnRecords) {
+  const auto [a, hit_a] = ray_with(HitState::kHit);
+  const auto [b, miss_b] = ray_with(HitState::kMiss);
+  by(kCompute).ray(a).ray(b).of_query(0).step({}, true).of_query(1).step({}, false);
+  records_.of_query(0).query_verdict(hit_a, false, AnyHitVerdict::kAccept).step(hit_a, false).end();
+  one_dispatch();
+  const Workload w = import_raw(manifest_, records_);
+  EXPECT_EQ(w.driver_hits[0].state, HitState::kHit);
+  EXPECT_EQ(w.driver_hits[0].t, hit_a.t);
+  EXPECT_EQ(w.driver_hits[1].state, HitState::kMiss);
+  EXPECT_EQ(candidates_of(w, 1).size(), 0u);
+}
+
 TEST_F(Capture, UnfinishedQueriesAreUnknown) {
   by(kCompute).ray(scene_.rays[0]).ray(scene_.rays[1]).step({}, true).end();
   one_dispatch();

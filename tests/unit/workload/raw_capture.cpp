@@ -125,6 +125,7 @@ RawRecords& RawRecords::by(Stage stage, std::uint32_t shader, std::uint32_t laun
   stage_ = stage;
   shader_ = shader;
   launch_ = launch;
+  query_.reset();
   ordinals_.resize(std::max<std::size_t>(ordinals_.size(), launch + 1));
   return *this;
 }
@@ -135,8 +136,15 @@ void RawRecords::unit(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::ui
 }
 
 void RawRecords::head(RecordKind kind) {
+  const bool names =
+      query_ && (kind == RecordKind::kQueryStep || kind == RecordKind::kQueryVerdict);
   unit(static_cast<std::uint32_t>(kind) | static_cast<std::uint32_t>(stage_) << 8 | shader_ << 16,
-       launch_, dispatch_, ordinals_.at(launch_));
+       launch_, dispatch_, names ? *query_ + 1 : ordinals_.at(launch_));
+}
+
+RawRecords& RawRecords::of_query(std::uint32_t ordinal) {
+  query_ = ordinal;
+  return *this;
 }
 
 void RawRecords::hit_units(const Hit& h, std::uint32_t last) {

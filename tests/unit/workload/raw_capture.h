@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -53,6 +54,9 @@ class RawRecords {
   RawRecords& report(const Hit& candidate, bool accepted);
   RawRecords& segment(std::uint32_t alu);
   RawRecords& end(std::uint32_t alu = 0);
+  // The query records that follow, until the next by(), name the ray of ordinal `ordinal`;
+  // otherwise they name the latest one.
+  RawRecords& of_query(std::uint32_t ordinal);
   RawRecords& step(const Hit& committed, bool more);
   RawRecords& query_verdict(const Hit& candidate, bool generated, capture::AnyHitVerdict verdict);
 
@@ -68,6 +72,7 @@ class RawRecords {
   std::uint32_t dispatch_ = 0, shader_ = 0, launch_ = 0;
   capture::Stage stage_ = capture::Stage::kRayGeneration;
   std::vector<std::uint32_t> ordinals_;
+  std::optional<std::uint32_t> query_;
 };
 
 // Imports from memory; `report` may be null.

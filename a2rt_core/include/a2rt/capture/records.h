@@ -48,7 +48,10 @@ enum class Stage : std::uint32_t {
 //             ray tracing: gl_LaunchID in gl_LaunchSize; compute: the global invocation id in the
 //             global size; fragment: the pixel, with width = RecordHeader::launch_width
 //   word 2  dispatch index (DispatchBlock of that index in the manifest)
-//   word 3  ordinal: how many rays this launch id had begun before this record
+//   word 3  ordinal: how many rays this launch id had begun before this record; in kQueryStep and
+//           kQueryVerdict how many it had begun when it had begun the ray of this query, which
+//           names the query if several are alive (before that was so, captures counted up to the
+//           record)
 //
 // Then, per kind (units after the first):
 //   kRay      u1 origin.xyz tmin
