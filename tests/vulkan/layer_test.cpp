@@ -113,8 +113,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"instances", 1, 2 * kPixels, RecordKind::kHit},
                     Expectation{"library", 1, kPixels, RecordKind::kHit},
                     Expectation{"procedural", 1, kPixels, RecordKind::kReport},
-                    Expectation{"query_compute", 1, kPixels, RecordKind::kQueryVerdict},
                     Expectation{"query_alive", 1, 3 * kPixels, RecordKind::kQueryVerdict},
+                    Expectation{"query_compute", 1, kPixels, RecordKind::kQueryVerdict},
                     Expectation{"pushes", 3, 3 * kPixels, RecordKind::kHit},
                     Expectation{"query_dispatch_base", 1, kPixels / 2, RecordKind::kQueryStep,
                                 true},
@@ -123,6 +123,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"query_feedback", 2, 2 * kPixels, RecordKind::kQueryStep, true},
                     Expectation{"query_mesh", 3, 3 * kPixels, RecordKind::kQueryStep},
                     Expectation{"query_multi_draw", 2, 2 * kPixels, RecordKind::kQueryStep},
+                    Expectation{"query_product_size", 1, kPixels, RecordKind::kQueryVerdict},
                     Expectation{"query_render_pass", 1, kPixels, RecordKind::kQueryStep},
                     Expectation{"query_secondary", 1, kPixels, RecordKind::kQueryStep},
                     Expectation{"recursion", 1, kPixels + 1000, RecordKind::kHit},
@@ -246,8 +247,6 @@ TEST(Capture, record_kinds_and_counters_can_be_left_out) {
   EXPECT_EQ(counts.kinds.at(RecordKind::kRay), kPixels);
 }
 
-TEST(Capture, records_beyond_the_limit_are_counted_not_written) {
-  NEEDS_LAVAPIPE();
 // The rays of the program have intervals that do not overlap.
 TEST(Capture, records_of_queries_alive_at_once_name_their_ray) {
   NEEDS_LAVAPIPE();
@@ -272,6 +271,8 @@ TEST(Capture, records_of_queries_alive_at_once_name_their_ray) {
   EXPECT_GT(checked, 2 * kPixels);
 }
 
+TEST(Capture, records_beyond_the_limit_are_counted_not_written) {
+  NEEDS_LAVAPIPE();
   const Folder folder;
   const RunResult plain = run_program("any_hit", folder, false);
   const RunResult result = run_program(
@@ -376,6 +377,18 @@ TEST(Guards, another_driver_runs_untouched_with_one_line) {
   EXPECT_THAT(other.output, HasSubstr("not lavapipe"));
   EXPECT_EQ(std::count(other.output.begin(), other.output.end(), '\n'), 1);
   EXPECT_FALSE(file_exists(folder.path("capture")));
+}
+
+TEST(Guards, a_shader_whose_workgroup_size_is_unknown_runs_as_it_is) {
+  NEEDS_LAVAPIPE();
+  const Folder folder;
+  const RunResult plain = run_program("query_opaque_size", folder, false);
+  const RunResult result =
+      run_program("query_opaque_size", folder, true, {{"A2RT_CAPTURE", folder.path("capture")}});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_TRUE(result.picture == plain.picture);
+  EXPECT_THAT(result.output, HasSubstr("workgroup size of compute shader 'main'"));
+  EXPECT_THAT(result.output, HasSubstr("no capture in " + folder.path("capture")));
 }
 
 TEST(Guards, settings_that_are_not_understood_are_named_each_on_one_line) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -108,7 +109,31 @@ class Stages {
     states_.push_back(note(stage));
   }
 
-  StageState note(const VkPipelineShaderStageCreateInfo& stage) {
+  // Gives the stage `words` as they are, in a module that lives as long as the pipeline.
+  void replace_module(VkPipelineShaderStageCreateInfo& stage,
+                      std::span<const std::uint32_t> words) {
+    VkShaderModuleCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+    info.codeSize = words.size_bytes();
+    info.pCode = words.data();
+    VkShaderModule module = VK_NULL_HANDLE;
+    if (device_.table().CreateShaderModule(device_.handle(), &info, nullptr, &module) ==
+        VK_SUCCESS) {
+      owned_.push_back(module);
+      stage.module = module;
+    }
+  }
+
+  // A shader without a known workgroup size has no launch ids, so it runs as the program gave it.
+  void leave_out(VkPipelineShaderStageCreateInfo& stage, const ModuleState& module) {
+    device_.refuse_once("the workgroup size of compute shader '" + std::string(stage.pName) +
+                        "' (shader hash " + std::to_string(hash_words(module.words)) +
+                        ") cannot be told from its specialization constants: its rays are not "
+                        "captured");
+    replace_module(stage, module.words);
+  }
+
+  StageState note(VkPipelineShaderStageCreateInfo& stage) {
     StageState state;
     const auto module = device_.shaders().module(stage.module);
     const spirv::EntryPoint* entry =
@@ -116,22 +141,26 @@ class Stages {
     if (entry == nullptr || !entry->instrumented) {
       return state;
     }
+    // Constants of this pipeline decide flags and sizes that the module alone leaves open.
+    const auto constants = read_specialization(stage.pSpecializationInfo);
+    const spirv::Analysis special = spirv::analyse(module->words, constants);
+    if (const auto* sized = find_entry_point(special, stage.stage, stage.pName);
+        sized != nullptr && stage.stage == VK_SHADER_STAGE_COMPUTE_BIT) {
+      local_size_ = sized->local_size;
+      if (std::ranges::find(local_size_, 0u) != local_size_.end()) {
+        leave_out(stage, *module);
+        return state;
+      }
+    }
     traces_ = true;
     state.shader = entry->shader;
     state.effects = effect_flags(*entry);
     order_ = order_ || (stage.stage == VK_SHADER_STAGE_ANY_HIT_BIT_KHR &&
                         (entry->writes_state || entry->terminates_ray));
-    // Constants of this pipeline decide flags and sizes that the module alone leaves open.
-    const auto constants = read_specialization(stage.pSpecializationInfo);
-    const spirv::Analysis special = spirv::analyse(module->words, constants);
     for (const std::uint32_t site : entry->sites) {
       if (site < special.sites.size() && module->analysis.sites[site].instrumented) {
         state.sites.push_back(special.sites[site]);
       }
-    }
-    if (const auto* sized = find_entry_point(special, stage.stage, stage.pName);
-        sized != nullptr && stage.stage == VK_SHADER_STAGE_COMPUTE_BIT) {
-      local_size_ = sized->local_size;
     }
     return state;
   }

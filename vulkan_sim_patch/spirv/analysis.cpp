@@ -71,9 +71,14 @@ std::array<std::uint32_t, 3> local_size(const Module& module, const ValueTracer&
         i.operand(1) == static_cast<std::uint32_t>(spv::Decoration::BuiltIn) &&
         i.operand(2) == static_cast<std::uint32_t>(spv::BuiltIn::WorkgroupSize);
     const Instruction* const constant = is_decoration ? module.definition(i.operand(0)) : nullptr;
-    for (std::size_t axis = 0; constant != nullptr && constant->operand_count() == 3 && axis < 3;
-         ++axis) {
-      size[axis] = values.constant(constant->operand(axis)).value_or(0);
+    if (constant == nullptr) {
+      continue;
+    }
+    const bool is_list = (constant->op() == Op::OpConstantComposite ||
+                          constant->op() == Op::OpSpecConstantComposite) &&
+                         constant->operand_count() == 3;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      size[axis] = is_list ? values.constant(constant->operand(axis)).value_or(0) : 0;
     }
   }
   return size;

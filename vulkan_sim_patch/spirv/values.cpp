@@ -1,17 +1,79 @@
 #include "spirv/values.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace a2rt::spirv {
 namespace {
 
 using spv::Op;
 
-std::optional<std::uint32_t> compute(Op op, std::uint32_t a, std::uint32_t b) {
+using Word = std::optional<std::uint32_t>;
+
+std::int32_t as_signed(std::uint32_t word) { return static_cast<std::int32_t>(word); }
+
+// Signed division overflows for one pair of operands, and then as for 0 nothing is defined.
+bool divides(std::int32_t a, std::int32_t b) {
+  return b != 0 && !(a == std::numeric_limits<std::int32_t>::min() && b == -1);
+}
+
+Word divide(Op op, std::uint32_t a, std::uint32_t b) {
+  if (op == Op::OpUDiv || op == Op::OpUMod) {
+    return b == 0 ? Word() : op == Op::OpUDiv ? a / b : a % b;
+  }
+  const std::int32_t x = as_signed(a);
+  const std::int32_t y = as_signed(b);
+  if (!divides(x, y)) {
+    return std::nullopt;
+  }
+  const std::int32_t remainder = x % y;  // has the sign of x
+  switch (op) {
+    case Op::OpSDiv:
+      return static_cast<std::uint32_t>(x / y);
+    case Op::OpSRem:
+      return static_cast<std::uint32_t>(remainder);
+    default:  // OpSMod: the sign of y
+      return static_cast<std::uint32_t>(remainder != 0 && (remainder < 0) != (y < 0) ? remainder + y
+                                                                                     : remainder);
+  }
+}
+
+Word compare(Op op, std::uint32_t a, std::uint32_t b) {
+  switch (op) {
+    case Op::OpIEqual:
+    case Op::OpLogicalEqual:
+      return a == b;
+    case Op::OpINotEqual:
+    case Op::OpLogicalNotEqual:
+      return a != b;
+    case Op::OpULessThan:
+      return a < b;
+    case Op::OpULessThanEqual:
+      return a <= b;
+    case Op::OpUGreaterThan:
+      return a > b;
+    case Op::OpUGreaterThanEqual:
+      return a >= b;
+    case Op::OpSLessThan:
+      return as_signed(a) < as_signed(b);
+    case Op::OpSLessThanEqual:
+      return as_signed(a) <= as_signed(b);
+    case Op::OpSGreaterThan:
+      return as_signed(a) > as_signed(b);
+    case Op::OpSGreaterThanEqual:
+      return as_signed(a) >= as_signed(b);
+    default:
+      return std::nullopt;
+  }
+}
+
+Word compute(Op op, std::uint32_t a, std::uint32_t b) {
   switch (op) {
     case Op::OpBitwiseOr:
+    case Op::OpLogicalOr:
       return a | b;
     case Op::OpBitwiseAnd:
+    case Op::OpLogicalAnd:
       return a & b;
     case Op::OpBitwiseXor:
       return a ^ b;
@@ -19,14 +81,39 @@ std::optional<std::uint32_t> compute(Op op, std::uint32_t a, std::uint32_t b) {
       return a + b;
     case Op::OpISub:
       return a - b;
+    case Op::OpIMul:
+      return a * b;
+    case Op::OpUDiv:
+    case Op::OpUMod:
+    case Op::OpSDiv:
+    case Op::OpSRem:
+    case Op::OpSMod:
+      return divide(op, a, b);
     case Op::OpShiftLeftLogical:
-      return b < 32 ? std::optional(a << b) : std::nullopt;
+      return b < 32 ? Word(a << b) : std::nullopt;
     case Op::OpShiftRightLogical:
-      return b < 32 ? std::optional(a >> b) : std::nullopt;
+      return b < 32 ? Word(a >> b) : std::nullopt;
+    case Op::OpShiftRightArithmetic:
+      return b < 32 ? Word(static_cast<std::uint32_t>(as_signed(a) >> b)) : std::nullopt;
+    default:
+      return compare(op, a, b);
+  }
+}
+
+Word compute(Op op, std::uint32_t a) {
+  switch (op) {
+    case Op::OpSNegate:
+      return 0u - a;
+    case Op::OpNot:
+      return ~a;
+    case Op::OpLogicalNot:
+      return a ^ 1u;
     default:
       return std::nullopt;
   }
 }
+
+bool is_unary(Op op) { return op == Op::OpSNegate || op == Op::OpNot || op == Op::OpLogicalNot; }
 
 }  // namespace
 
@@ -127,17 +214,61 @@ ValueTracer::Step ValueTracer::specialized(const Instruction& constant) const {
   const auto spec = spec_ids_.find(constant.result());
   const auto given =
       spec == spec_ids_.end() ? specializations_.end() : specializations_.find(spec->second);
-  return given != specializations_.end() ? given->second : constant.operand(0);
+  const bool is_given = given != specializations_.end();
+  switch (constant.op()) {
+    case Op::OpSpecConstantTrue:
+      return !is_given || given->second != 0;
+    case Op::OpSpecConstantFalse:
+      return is_given && given->second != 0;
+    default:
+      return is_given ? given->second : constant.operand(0);
+  }
 }
 
-ValueTracer::Step ValueTracer::evaluate_binary(const Instruction& instruction, Op op,
-                                               std::size_t first, int& steps) const {
-  if (instruction.operand_count() < first + 2) {
+// Values of another width would wrap elsewhere.
+bool ValueTracer::is_word(Id type) const {
+  const Instruction* const declared = module_.definition(type);
+  return declared != nullptr && (declared->op() == Op::OpTypeBool ||
+                                 (declared->op() == Op::OpTypeInt && declared->operand(0) == 32));
+}
+
+ValueTracer::Step ValueTracer::evaluate_operation(const Instruction& instruction, Op op,
+                                                  std::size_t first, int& steps) const {
+  const auto operand = [&](std::size_t i) -> Step {
+    const bool there = first + i < instruction.operand_count() &&
+                       is_word(module_.type_of(instruction.operand(first + i)));
+    return there ? evaluate(instruction.operand(first + i), steps) : std::nullopt;
+  };
+  if (op == Op::OpCompositeExtract) {
+    return evaluate_extract(instruction, first, steps);
+  }
+  if (!is_word(instruction.type())) {
     return std::nullopt;
   }
-  const Step a = evaluate(instruction.operand(first), steps);
-  const Step b = a ? evaluate(instruction.operand(first + 1), steps) : std::nullopt;
+  const Step a = operand(0);
+  if (!a) {
+    return std::nullopt;
+  }
+  if (op == Op::OpSelect) {
+    return operand(*a != 0 ? 1 : 2);
+  }
+  if (is_unary(op)) {
+    return compute(op, *a);
+  }
+  const Step b = operand(1);
   return b ? compute(op, *a, *b) : std::nullopt;
+}
+
+ValueTracer::Step ValueTracer::evaluate_extract(const Instruction& instruction, std::size_t first,
+                                                int& steps) const {
+  const bool one_index = instruction.operand_count() == first + 2;
+  const Instruction* const whole =
+      one_index ? module_.definition(instruction.operand(first)) : nullptr;
+  const bool is_list = whole != nullptr && (whole->op() == Op::OpConstantComposite ||
+                                            whole->op() == Op::OpSpecConstantComposite);
+  const std::uint32_t index = one_index ? instruction.operand(first + 1) : 0;
+  return is_list && index < whole->operand_count() ? evaluate(whole->operand(index), steps)
+                                                   : std::nullopt;
 }
 
 ValueTracer::Step ValueTracer::evaluate(Id value, int& steps) const {
@@ -149,12 +280,18 @@ ValueTracer::Step ValueTracer::evaluate(Id value, int& steps) const {
     case Op::OpConstant:
       return defined->operand(0);
     case Op::OpConstantNull:
+    case Op::OpConstantFalse:
       return 0u;
+    case Op::OpConstantTrue:
+      return 1u;
     case Op::OpSpecConstant:
+    case Op::OpSpecConstantTrue:
+    case Op::OpSpecConstantFalse:
       return specialized(*defined);
     case Op::OpSpecConstantOp:
-      return specialize_ ? evaluate_binary(*defined, static_cast<Op>(defined->operand(0)), 1, steps)
-                         : std::nullopt;
+      return specialize_
+                 ? evaluate_operation(*defined, static_cast<Op>(defined->operand(0)), 1, steps)
+                 : std::nullopt;
     case Op::OpCopyObject:
     case Op::OpBitcast:
       return evaluate(defined->operand(0), steps);
@@ -163,7 +300,7 @@ ValueTracer::Step ValueTracer::evaluate(Id value, int& steps) const {
     case Op::OpLoad:
       return evaluate_load(defined->operand(0), steps);
     default:
-      return evaluate_binary(*defined, defined->op(), 0, steps);
+      return evaluate_operation(*defined, defined->op(), 0, steps);
   }
 }
 

@@ -31,8 +31,11 @@ class ValueTracer {
   using Step = std::optional<std::uint32_t>;
 
   Step evaluate(Id value, int& steps) const;
-  Step evaluate_binary(const Instruction& instruction, spv::Op op, std::size_t first,
-                       int& steps) const;
+  // `op` on the operands of `instruction` from `first` on.
+  Step evaluate_operation(const Instruction& instruction, spv::Op op, std::size_t first,
+                          int& steps) const;
+  Step evaluate_extract(const Instruction& instruction, std::size_t first, int& steps) const;
+  bool is_word(Id type) const;
   Step specialized(const Instruction& constant) const;
   Step evaluate_load(Id pointer, int& steps) const;
   // The same value for every member of `list`, else nothing.

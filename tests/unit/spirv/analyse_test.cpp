@@ -76,6 +76,23 @@ TEST(Analyse, KnowsTheWorkgroupSize) {
   }
 }
 
+TEST(Analyse, ComputesFromSpecializationConstants) {
+  using Size = std::array<std::uint32_t, 3>;
+  const auto& words = module_named("computed.asm");
+  const Analysis defaults = analyse(words);
+  EXPECT_EQ(defaults.entry_points[0].local_size, (Size{8, 2, 1}));
+  EXPECT_EQ(defaults.sites.at(0).ray_flags, 2u);
+  EXPECT_EQ(defaults.sites.at(0).cull_mask, 0xfeu);
+  const Specialization given[] = {{0, 9}, {1, 12}, {2, 0}};
+  const Analysis special = analyse(words, given);
+  EXPECT_EQ(special.entry_points[0].local_size, (Size{36, 3, 5}));
+  EXPECT_EQ(special.sites.at(0).ray_flags, 1u);
+  EXPECT_EQ(special.sites.at(0).cull_mask, 0xfau);
+  // Division by zero is undefined: nothing is known then.
+  const Specialization zero[] = {{1, 0}};
+  EXPECT_EQ(analyse(words, zero).entry_points[0].local_size, (Size{0, 6, 0}));
+}
+
 TEST(Analyse, TellsWhichShadersChangeWhatOthersSee) {
   const auto writes = [](const std::string& name) {
     return analyse(module_named(name)).entry_points.at(0).writes_state;
