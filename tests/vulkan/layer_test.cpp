@@ -11,6 +11,7 @@
 #include <memory>
 #include <set>
 
+#include "capture/capture_lock.h"
 #include "capture_files.h"
 #include "layer_run.h"
 
@@ -410,6 +411,24 @@ TEST(Guards, a_capture_that_cannot_be_made_stops_the_program) {
       run_program("hit_groups", folder, true, {{"A2RT_CAPTURE", folder.path("file")}});
   EXPECT_NE(result.status, 0);
   EXPECT_THAT(result.output, HasSubstr(folder.path("file")));
+}
+
+TEST(Guards, a_folder_that_another_process_captures_into_is_left_alone) {
+  NEEDS_LAVAPIPE();
+  const Folder folder;
+  const std::string capture = folder.path("capture");
+  std::filesystem::create_directory(capture);
+  const RunResult plain = run_program("hit_groups", folder, false);
+  // This process stands for the other one.
+  auto other = std::make_unique<layer::CaptureLock>(capture);
+  const RunResult second = run_program("hit_groups", folder, true, {{"A2RT_CAPTURE", capture}});
+  EXPECT_EQ(second.status, 0);
+  EXPECT_TRUE(second.picture == plain.picture);
+  EXPECT_THAT(second.output, HasSubstr("belongs to another process"));
+  EXPECT_EQ(std::count(second.output.begin(), second.output.end(), '\n'), 1);
+  EXPECT_TRUE(std::filesystem::is_empty(capture));
+  other.reset();
+  EXPECT_EQ(capture_of("hit_groups", folder).dispatches.size(), 1u);
 }
 
 TEST(Guards, nothing_that_looks_complete_is_left_of_a_program_that_dies) {

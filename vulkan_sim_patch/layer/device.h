@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/capture_lock.h"
 #include "capture/session.h"
 #include "capture/structure_writer.h"
 #include "layer/dispatch_table.h"
@@ -42,6 +43,7 @@ struct DeviceSetup {
   VkPhysicalDeviceMemoryProperties memory{};
   std::uint32_t queue_family = 0;
   std::vector<std::string> extensions;
+  std::shared_ptr<const CaptureLock> lock;  // of the capture's folder; null without capture
 };
 
 class Device {

@@ -90,7 +90,7 @@ Settings settings_of_process() {
   return settings;
 }
 
-// Takes from the settings what belongs to another device.
+// Takes from the settings what belongs to another device or process.
 void make_way(DeviceSetup& setup) {
   std::string& folder = setup.settings.capture_directory;
   if (setup.settings.instrumenting() && registry().has_session()) {
@@ -101,6 +101,16 @@ void make_way(DeviceSetup& setup) {
   if (!folder.empty() && registry().has_captured()) {
     warn("this device is not captured: " + folder +
          " holds the capture of an earlier device of this program");
+    folder.clear();
+  }
+  if (folder.empty()) {
+    return;
+  }
+  setup.lock = std::make_shared<const CaptureLock>(folder);
+  if (setup.lock->is_taken()) {
+    warn("this process is not captured: " + folder +
+         " belongs to another process that captures into it now; set A2RT_CAPTURE to another "
+         "directory for one of them");
     folder.clear();
   }
 }
