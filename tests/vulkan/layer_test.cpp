@@ -117,6 +117,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Expectation{"query_alive", 1, 3 * kPixels, RecordKind::kQueryVerdict},
                     Expectation{"query_compute", 1, kPixels, RecordKind::kQueryVerdict},
                     Expectation{"pushes", 3, 3 * kPixels, RecordKind::kHit},
+                    Expectation{"query_coverage", 1, kPixels, RecordKind::kQueryStep, true},
+                    Expectation{"query_depth", 1, kPixels, RecordKind::kQueryStep},
                     Expectation{"query_dispatch_base", 1, kPixels / 2, RecordKind::kQueryStep,
                                 true},
                     Expectation{"query_fragment", 1, kPixels, RecordKind::kQueryStep},
@@ -246,6 +248,15 @@ TEST(Capture, record_kinds_and_counters_can_be_left_out) {
   const RecordCounts counts = count_records(rays);
   EXPECT_EQ(counts.kinds.size(), 1u);
   EXPECT_EQ(counts.kinds.at(RecordKind::kRay), kPixels);
+}
+
+TEST(Capture, fragments_that_the_depth_test_hides_trace_no_rays) {
+  NEEDS_LAVAPIPE();
+  const Folder folder;
+  EXPECT_EQ(count_records(capture_of("query_depth", folder)).kinds.at(RecordKind::kRay), kPixels);
+  // Where early tests could show in the picture they are late, and that is said.
+  const CaptureFiles covered = capture_of("query_coverage", folder);
+  EXPECT_THAT(covered.refused, testing::ElementsAre(HasSubstr("alpha turned into coverage")));
 }
 
 // The rays of the program have intervals that do not overlap.

@@ -167,6 +167,15 @@ Device::Module Device::instrument(std::span<const std::uint32_t> words) {
   }
 }
 
+std::vector<std::uint32_t> Device::instrument_late(const ModuleState& module) const {
+  const auto& entries = module.analysis.entry_points;
+  const auto first = std::find_if(entries.begin(), entries.end(),
+                                  [](const auto& entry) { return entry.instrumented; });
+  spirv::InstrumentOptions options = session_->instrument_options(first->shader);
+  options.early_tests = false;
+  return spirv::instrument(module.words, options).words;
+}
+
 void Device::announce(const PipelineState& pipeline) {
   if (manifest() == nullptr) {
     return;

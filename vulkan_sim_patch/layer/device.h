@@ -78,6 +78,8 @@ class Device {
     std::shared_ptr<const ModuleState> state;
   };
   Module instrument(std::span<const std::uint32_t> words);
+  // The same module for a pipeline in which early fragment tests would show.
+  std::vector<std::uint32_t> instrument_late(const ModuleState& module) const;
   // Writes the manifest blocks of a pipeline.
   void announce(const PipelineState& pipeline);
 

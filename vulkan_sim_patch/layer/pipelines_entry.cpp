@@ -51,11 +51,42 @@ VkResult create_module(Device& device, const VkShaderModuleCreateInfo& info,
   return result;
 }
 
+bool is_dynamic(const VkGraphicsPipelineCreateInfo& info, VkDynamicState state) {
+  const VkPipelineDynamicStateCreateInfo* const dynamic = info.pDynamicState;
+  return dynamic != nullptr &&
+         std::find(dynamic->pDynamicStates, dynamic->pDynamicStates + dynamic->dynamicStateCount,
+                   state) != dynamic->pDynamicStates + dynamic->dynamicStateCount;
+}
+
+bool is_part(const VkGraphicsPipelineCreateInfo& info) {
+  for (auto* item = static_cast<const VkBaseInStructure*>(info.pNext); item != nullptr;
+       item = item->pNext) {
+    if (item->sType == VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_LIBRARY_CREATE_INFO_EXT ||
+        item->sType == VK_STRUCTURE_TYPE_PIPELINE_LIBRARY_CREATE_INFO_KHR) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Whether a pipeline turns alpha into coverage, or leaves that to another part or a command. Then
+// fragment tests before the shader would show in the picture.
+bool may_cover(const VkGraphicsPipelineCreateInfo& info) {
+  // Where no fragments come from, the state may be left undefined.
+  const bool has_state = !is_part(info) && info.pRasterizationState != nullptr &&
+                         info.pRasterizationState->rasterizerDiscardEnable == VK_FALSE &&
+                         info.pMultisampleState != nullptr;
+  return !has_state || info.pMultisampleState->alphaToCoverageEnable == VK_TRUE ||
+         is_dynamic(info, VK_DYNAMIC_STATE_ALPHA_TO_COVERAGE_ENABLE_EXT);
+}
+bool may_cover(const VkRayTracingPipelineCreateInfoKHR&) { return false; }
+bool may_cover(const VkComputePipelineCreateInfo&) { return false; }
+
 // The stages of one pipeline: inline code replaced by instrumented modules, effects noted.
 class Stages {
  public:
-  Stages(Device& device, std::span<const VkPipelineShaderStageCreateInfo> stages)
-      : device_(device), stages_(stages.begin(), stages.end()) {
+  Stages(Device& device, std::span<const VkPipelineShaderStageCreateInfo> stages, bool may_cover)
+      : device_(device), stages_(stages.begin(), stages.end()), may_cover_(may_cover) {
     for (VkPipelineShaderStageCreateInfo& stage : stages_) {
       visit(stage);
     }
@@ -68,6 +99,7 @@ class Stages {
   Stages(Stages&& other) noexcept
       : device_(other.device_),
         stages_(std::move(other.stages_)),
+        may_cover_(other.may_cover_),
         states_(std::move(other.states_)),
         owned_(std::exchange(other.owned_, {})),
         traces_(other.traces_),
@@ -133,6 +165,22 @@ class Stages {
     replace_module(stage, module.words);
   }
 
+  void settle_tests(VkPipelineShaderStageCreateInfo& stage, const ModuleState& module,
+                    spirv::FragmentTests tests) {
+    using spirv::FragmentTests;
+    const bool late = tests == FragmentTests::kMadeEarly && may_cover_;
+    if (late) {
+      replace_module(stage, device_.instrument_late(module));
+    }
+    if (late || tests == FragmentTests::kMadeLate) {
+      device_.refuse_once(
+          "a fragment shader that traces also discards, writes a sample mask or may have its alpha "
+          "turned into coverage: where depth or stencil tests hide its fragments, the capture "
+          "holds "
+          "rays that the driver alone would have skipped");
+    }
+  }
+
   StageState note(VkPipelineShaderStageCreateInfo& stage) {
     StageState state;
     const auto module = device_.shaders().module(stage.module);
@@ -152,6 +200,7 @@ class Stages {
         return state;
       }
     }
+    settle_tests(stage, *module, entry->fragment_tests);
     traces_ = true;
     state.shader = entry->shader;
     state.effects = effect_flags(*entry);
@@ -167,6 +216,7 @@ class Stages {
 
   Device& device_;
   std::vector<VkPipelineShaderStageCreateInfo> stages_;
+  bool may_cover_;
   std::vector<StageState> states_;
   std::vector<VkShaderModule> owned_;
   bool traces_ = false;
@@ -277,7 +327,7 @@ VkResult create_pipelines(Device& device, PipelineState::Kind kind, std::span<co
   std::vector<Stages> stages;
   stages.reserve(copies.size());
   for (Info& copy : copies) {
-    stages.emplace_back(device, stages_of(copy));
+    stages.emplace_back(device, stages_of(copy), may_cover(copy));
     set_stages(copy, stages.back());
   }
   const VkResult result = create(copies.data());

@@ -1,17 +1,24 @@
 #include "spirv/call_graph.h"
 
 #include <algorithm>
+#include <optional>
+
+#include "spirv/opcodes.h"
 
 namespace a2rt::spirv {
 namespace {
 
-// Storage that nothing but the invocation itself, or the hit it reports, can see.
-bool is_own(const Module& module, Id pointer) {
+std::optional<spv::StorageClass> storage_of(const Module& module, Id pointer) {
   const Instruction* const type = module.definition(module.type_of(pointer));
   if (type == nullptr || type->op() != spv::Op::OpTypePointer) {
-    return false;
+    return std::nullopt;
   }
-  const auto storage = static_cast<spv::StorageClass>(type->operand(0));
+  return static_cast<spv::StorageClass>(type->operand(0));
+}
+
+// Storage that nothing but the invocation itself, or the hit it reports, can see.
+bool is_own(const Module& module, Id pointer) {
+  const auto storage = storage_of(module, pointer);
   return storage == spv::StorageClass::Function || storage == spv::StorageClass::Private ||
          storage == spv::StorageClass::HitAttributeKHR;
 }
@@ -34,6 +41,13 @@ bool writes_beyond_itself(const Module& module, const Instruction& instruction) 
   }
 }
 
+bool writes_output(const Module& module, const Instruction& instruction) {
+  const spv::Op op = instruction.op();
+  const bool copies =
+      op == spv::Op::OpStore || op == spv::Op::OpCopyMemory || op == spv::Op::OpCopyMemorySized;
+  return copies && storage_of(module, instruction.operand(0)) == spv::StorageClass::Output;
+}
+
 }  // namespace
 
 void RayFeatures::include(const RayFeatures& other) {
@@ -45,6 +59,9 @@ void RayFeatures::include(const RayFeatures& other) {
   ignores_intersection |= other.ignores_intersection;
   terminates_ray |= other.terminates_ray;
   writes_state |= other.writes_state;
+  writes_memory |= other.writes_memory;
+  discards |= other.discards;
+  is_ordered |= other.is_ordered;
 }
 
 std::vector<EntryDeclaration> entry_declarations(const Module& module) {
@@ -114,7 +131,11 @@ void CallGraph::scan(const Module& module, const Function& function, Node& node)
   using spv::Op;
   RayFeatures& f = node.features;
   for (const Instruction& instruction : function.code) {
-    f.writes_state = f.writes_state || writes_beyond_itself(module, instruction);
+    const bool writes = writes_beyond_itself(module, instruction);
+    f.writes_state = f.writes_state || writes;
+    f.writes_memory = f.writes_memory || (writes && !writes_output(module, instruction));
+    f.is_ordered =
+        f.is_ordered || opcode_info(static_cast<std::uint32_t>(instruction.op())) == nullptr;
     switch (instruction.op()) {
       case Op::OpFunctionCall: {
         const auto callee = index_.find(instruction.operand(0));
@@ -126,6 +147,14 @@ void CallGraph::scan(const Module& module, const Function& function, Node& node)
         calls_[callee->first].push_back(&instruction);
         break;
       }
+      case Op::OpKill:
+      case Op::OpTerminateInvocation:
+      case Op::OpDemoteToHelperInvocation:
+        f.discards = true;
+        break;
+      case Op::OpBeginInvocationInterlockEXT:
+        f.is_ordered = true;
+        break;
       case Op::OpTraceRayKHR:
         f.traces = true;
         break;

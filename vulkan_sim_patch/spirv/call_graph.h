@@ -21,7 +21,10 @@ struct RayFeatures {
   bool reports_intersection = false;
   bool ignores_intersection = false;
   bool terminates_ray = false;
-  bool writes_state = false;  // stores beyond its own variables
+  bool writes_state = false;   // stores beyond its own variables
+  bool writes_memory = false;  // the same, but outputs are no memory
+  bool discards = false;       // may end an invocation, or demote it to a helper
+  bool is_ordered = false;     // interlocks, or opcodes this build does not know
 
   void include(const RayFeatures& other);
 };

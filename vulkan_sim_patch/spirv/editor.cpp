@@ -51,6 +51,11 @@ void ModuleEditor::redirect(const EntryDeclaration& entry, Id function,
   redirections_[entry.instruction] = {function, variables};
 }
 
+void ModuleEditor::add_mode(Id function, spv::ExecutionMode mode) {
+  modes_.emplace_back(spv::Op::OpExecutionMode,
+                      std::vector{function, static_cast<std::uint32_t>(mode)});
+}
+
 void ModuleEditor::replace_function(Id function, std::vector<Instruction> code) {
   replaced_.insert_or_assign(function, std::move(code));
 }
@@ -130,6 +135,8 @@ std::vector<std::uint32_t> ModuleEditor::words() const {
   const std::size_t extensions_end = after_last(
       globals, capabilities_end,
       [](const Instruction& i) { return i.op() == Op::OpExtension || i.op() == Op::OpCapability; });
+  const std::size_t entries_end =
+      after_last(globals, 0, [](const Instruction& i) { return i.op() == Op::OpEntryPoint; });
   const std::size_t preamble_end = after_last(globals, 0, is_preamble);
   const bool has_capability =
       module_.has_capability(spv::Capability::PhysicalStorageBufferAddresses);
@@ -148,6 +155,11 @@ std::vector<std::uint32_t> ModuleEditor::words() const {
     if (i == extensions_end && device_addresses_ && !has_extension &&
         module_.version() < kVersion15) {
       append(out, Instruction(Op::OpExtension, string_words(kAddressExtension)));
+    }
+    if (i == entries_end) {
+      for (const Instruction& mode : modes_) {
+        append(out, mode);
+      }
     }
     if (i == preamble_end) {
       for (const Instruction& decoration : types_.new_decorations()) {

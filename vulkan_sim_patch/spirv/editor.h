@@ -19,6 +19,7 @@ class ModuleEditor {
   void use_device_addresses();
   // `entry` enters through `function` from now on and uses `variables` besides its own.
   void redirect(const EntryDeclaration& entry, Id function, const std::vector<Id>& variables);
+  void add_mode(Id function, spv::ExecutionMode mode);
   void replace_function(Id function, std::vector<Instruction> code);
   void add_function(std::vector<Instruction> code) { added_.push_back(std::move(code)); }
 
@@ -38,6 +39,7 @@ class ModuleEditor {
   bool device_addresses_ = false;
   std::vector<EntryDeclaration> entries_;
   std::map<const Instruction*, Redirection> redirections_;
+  std::vector<Instruction> modes_;
   std::map<Id, std::vector<Instruction>> replaced_;
   std::vector<std::vector<Instruction>> added_;
 };

@@ -13,8 +13,43 @@ namespace {
 constexpr std::uint32_t kAllGlobalsListed = 0x00010400;
 constexpr std::uint32_t kMaxShaders = 0x10000;  // 16 bits of a record's first word
 
+bool has_mode(const Module& module, Id function, spv::ExecutionMode mode) {
+  return std::ranges::any_of(module.globals(), [&](const Instruction& i) {
+    return i.op() == spv::Op::OpExecutionMode && i.operand(0) == function &&
+           i.operand(1) == static_cast<std::uint32_t>(mode);
+  });
+}
+
+bool writes_sample_mask(const Module& module, const EntryDeclaration& entry) {
+  return std::ranges::any_of(module.globals(), [&](const Instruction& i) {
+    const bool is_mask = i.op() == spv::Op::OpDecorate && i.operand_count() >= 3 &&
+                         i.operand(1) == static_cast<std::uint32_t>(spv::Decoration::BuiltIn) &&
+                         i.operand(2) == static_cast<std::uint32_t>(spv::BuiltIn::SampleMask);
+    const Instruction* const variable = is_mask ? module.definition(i.operand(0)) : nullptr;
+    return variable != nullptr && variable->op() == spv::Op::OpVariable &&
+           variable->operand(0) == static_cast<std::uint32_t>(spv::StorageClass::Output) &&
+           std::ranges::find(entry.interface, i.operand(0)) != entry.interface.end();
+  });
+}
+
+// What becomes of depth and stencil tests that a driver does before the program's own shader.
+FragmentTests choose_tests(const Module& module, const EntryDeclaration& entry,
+                           const RayFeatures& features, bool may_be_early) {
+  using spv::ExecutionMode;
+  const bool decided = has_mode(module, entry.function, ExecutionMode::EarlyFragmentTests) ||
+                       has_mode(module, entry.function, ExecutionMode::DepthReplacing) ||
+                       has_mode(module, entry.function, ExecutionMode::StencilRefReplacingEXT) ||
+                       features.writes_memory;
+  if (stage_of(entry.model) != capture::Stage::kFragment || decided) {
+    return FragmentTests::kAsBefore;
+  }
+  const bool color_only =
+      !features.discards && !features.is_ordered && !writes_sample_mask(module, entry);
+  return color_only && may_be_early ? FragmentTests::kMadeEarly : FragmentTests::kMadeLate;
+}
+
 // Picks the entry points to instrument and numbers them.
-std::uint32_t choose(Analysis& analysis, const CallGraph& calls,
+std::uint32_t choose(Analysis& analysis, const Module& module, const CallGraph& calls,
                      const std::vector<EntryDeclaration>& declarations,
                      const InstrumentOptions& options) {
   std::uint32_t count = 0;
@@ -24,6 +59,7 @@ std::uint32_t choose(Analysis& analysis, const CallGraph& calls,
     entry.instrumented = can_record(entry, features);
     if (entry.instrumented) {
       entry.shader = options.first_shader_index + count++;
+      entry.fragment_tests = choose_tests(module, declarations[i], features, options.early_tests);
     } else if (features.query_initializes) {
       analysis.warnings.push_back("entry point '" + entry.name +
                                   "': ray queries of this stage are not recorded");
@@ -75,6 +111,9 @@ class Rewriter {
         EntryWrapper wrapper =
             wrap_entry(declaration, shared_, builtins_, analysis.entry_points[i].shader);
         editor_.redirect(declaration, wrapper.function, variables(std::move(wrapper.inputs)));
+        if (analysis.entry_points[i].fragment_tests == FragmentTests::kMadeEarly) {
+          editor_.add_mode(wrapper.function, spv::ExecutionMode::EarlyFragmentTests);
+        }
         editor_.add_function(std::move(wrapper.code));
       } else {
         adapt(declaration, edited);
@@ -177,7 +216,7 @@ InstrumentResult instrument(std::span<const std::uint32_t> words,
     return result;
   }
   const std::vector<EntryDeclaration> declarations = entry_declarations(module);
-  result.shader_count = choose(result.analysis, calls, declarations, options);
+  result.shader_count = choose(result.analysis, module, calls, declarations, options);
   if (result.shader_count == 0) {
     return result;
   }

@@ -31,6 +31,9 @@ struct InstrumentOptions {
   bool candidates = true;            // kAnyHit, kReport, kQueryVerdict
   bool counters = true;              // the eight counters, kEnd, kSegment
   bool verdicts = true;              // look up and apply VerdictEntry per ray
+  // Have hidden fragments of a fragment shader discarded before it runs where nobody can tell
+  // (see FragmentTests).
+  bool early_tests = true;
   // The module's instrumented entry points get consecutive indices from here on, in module order.
   std::uint32_t first_shader_index = 0;
   // Trace sites from this index on are left alone (for bisecting).
@@ -69,6 +72,15 @@ struct TraceSite {
   std::optional<std::uint32_t> cull_mask;  // if constant, its low 8 bits
 };
 
+// Drivers test depth and stencil before a fragment shader that has no effect but its color, and
+// after one that writes memory. Rewritten shaders write memory.
+enum class FragmentTests {
+  kAsBefore,   // the rewrite changes nothing: the program's shader decides when its tests happen
+  kMadeEarly,  // early tests are asked for, and only the fragment's color and depth are written;
+               // wrong for a pipeline that turns alpha into coverage
+  kMadeLate    // the shader also runs for fragments that a driver might have hidden from it
+};
+
 struct EntryPoint {
   std::string name;
   std::uint32_t execution_model = 0;  // the SPIR-V number
@@ -85,6 +97,7 @@ struct EntryPoint {
   // hit-attribute variables. The result of an any-hit shader that does may depend on the order in
   // which candidates are found.
   bool writes_state = false;
+  FragmentTests fragment_tests = FragmentTests::kAsBefore;  // set by instrument()
   // Workgroup size of a compute shader; 0 where it depends on a specialization constant that is not
   // known (see `analyse`), and for other stages.
   std::array<std::uint32_t, 3> local_size{};

@@ -104,6 +104,30 @@ TEST(Instrument, EachStageWritesItsRecords) {
   }
 }
 
+TEST(Instrument, FragmentTestsStayEarlyWhereNobodyCanTell) {
+  const auto is_early = [](const std::vector<std::uint32_t>& words) {
+    return std::ranges::any_of(Module::parse(words).globals(), [](const Instruction& i) {
+      constexpr auto kEarly = static_cast<std::uint32_t>(spv::ExecutionMode::EarlyFragmentTests);
+      return i.op() == Op::OpExecutionMode && i.operand(1) == kEarly;
+    });
+  };
+  const auto tests = [](const InstrumentResult& result) {
+    return result.analysis.entry_points.at(0).fragment_tests;
+  };
+  const InstrumentResult color = everything("color.frag.v12");
+  EXPECT_TRUE(is_early(color.words));
+  EXPECT_EQ(tests(color), FragmentTests::kMadeEarly);
+  InstrumentOptions late;
+  late.early_tests = false;
+  EXPECT_FALSE(is_early(instrument(module_named("color.frag.v12"), late).words));
+  const InstrumentResult discards = everything("query.frag.v12");
+  EXPECT_FALSE(is_early(discards.words));
+  EXPECT_EQ(tests(discards), FragmentTests::kMadeLate);
+  const InstrumentResult deep = everything("deep.frag.v12");
+  EXPECT_FALSE(is_early(deep.words));
+  EXPECT_EQ(tests(deep), FragmentTests::kAsBefore);
+}
+
 TEST(Instrument, OptionsRemoveWhatTheyName) {
   InstrumentOptions options;
   options.counters = false;

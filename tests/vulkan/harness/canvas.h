@@ -8,8 +8,10 @@ namespace foreign {
 class Canvas {
  public:
   enum class Way { kRendering, kRenderPass };
+  // What hides fragments; other than kNothing only by dynamic rendering.
+  enum class Hidden { kNothing, kByDepth, kByDepthAndCoverage };
   // `stages` are those of the pipeline.
-  Canvas(App& app, Way way, const std::vector<Stage>& stages);
+  Canvas(App& app, Way way, const std::vector<Stage>& stages, Hidden hidden = Hidden::kNothing);
   ~Canvas();
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;
@@ -24,16 +26,22 @@ class Canvas {
   void end(VkCommandBuffer commands);
 
  private:
-  void make_image();
+  struct Image {
+    VkImage handle = VK_NULL_HANDLE;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    VkImageView view = VK_NULL_HANDLE;
+  };
+  Image make_image(VkFormat format, VkImageUsageFlags usage, VkImageAspectFlags aspect) const;
+  void destroy(const Image& image) const;
   void make_pass();
   void make_pipeline(const std::vector<Stage>& stages);
-  void to_layout(VkCommandBuffer commands, VkImageLayout from, VkImageLayout to) const;
+  void to_layout(VkCommandBuffer commands, const Image& image, VkImageAspectFlags aspect,
+                 VkImageLayout from, VkImageLayout to) const;
 
   App& app_;
   Way way_;
-  VkImage image_ = VK_NULL_HANDLE;
-  VkDeviceMemory memory_ = VK_NULL_HANDLE;
-  VkImageView view_ = VK_NULL_HANDLE;
+  Hidden hidden_;
+  Image color_, depth_;
   VkRenderPass pass_ = VK_NULL_HANDLE;
   VkFramebuffer framebuffer_ = VK_NULL_HANDLE;
   VkPipeline pipeline_ = VK_NULL_HANDLE;

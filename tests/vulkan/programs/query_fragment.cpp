@@ -58,6 +58,23 @@ void secondary_draw(App& app) {
   });
 }
 
+// Four layers, of which the depth test hides all but the first.
+void layers(App& app, Canvas::Hidden hidden) {
+  const VkDescriptorSet set = make_scene(app);
+  Canvas canvas(app, Canvas::Way::kRendering, kVertexStages, hidden);
+  app.run([&](VkCommandBuffer commands) {
+    canvas.begin(commands);
+    canvas.bind(commands, set);
+    for (int layer = 0; layer < 4; ++layer) {
+      draw_all(commands);
+    }
+    canvas.end(commands);
+  });
+}
+
+const Program by_depth("query_depth", [](App& app) { layers(app, Canvas::Hidden::kByDepth); });
+const Program by_coverage("query_coverage",
+                          [](App& app) { layers(app, Canvas::Hidden::kByDepthAndCoverage); });
 const Program by_rendering("query_fragment", dynamic_rendering);
 const Program by_pass("query_render_pass", render_pass);
 const Program by_secondary("query_secondary", secondary_draw);

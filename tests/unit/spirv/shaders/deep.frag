@@ -1,0 +1,14 @@
+// A ray query that moves its fragment.
+#version 460
+#extension GL_EXT_ray_query : require
+layout(set = 0, binding = 0) uniform accelerationStructureEXT scene;
+layout(location = 0) out vec4 color;
+layout(depth_any) out float gl_FragDepth;
+
+void main() {
+  rayQueryEXT query;
+  rayQueryInitializeEXT(query, scene, 0, 0xff, vec3(gl_FragCoord.xy, 0.0), 0.0, vec3(1.0), 10.0);
+  rayQueryProceedEXT(query);
+  color = vec4(float(rayQueryGetIntersectionTypeEXT(query, true)));
+  gl_FragDepth = color.x;
+}
