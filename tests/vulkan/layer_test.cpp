@@ -216,6 +216,17 @@ TEST(Capture, copies_name_source_and_destination) {
   EXPECT_NE(files.copies[0].destination_id, files.copies[1].destination_id);
 }
 
+TEST(Capture, destroyed_structures_are_announced_after_their_last_use) {
+  NEEDS_LAVAPIPE();
+  const Folder folder;
+  const CaptureFiles files = capture_of("two_tlas", folder);
+  EXPECT_EQ(files.count(BlockType::kAsDestroyed), files.structures.size());
+  const auto first = std::find_if(files.blocks.begin(), files.blocks.end(),
+                                  [](const Block& b) { return b.type == BlockType::kAsDestroyed; });
+  EXPECT_TRUE(std::none_of(first, files.blocks.end(),
+                           [](const Block& b) { return b.type == BlockType::kDispatch; }));
+}
+
 TEST(Capture, effects_of_a_foreign_program_are_in_the_manifest) {
   NEEDS_LAVAPIPE();
   const Folder folder;

@@ -52,7 +52,11 @@ VkResult CreateAccelerationStructureKHR(VkDevice handle,
 void DestroyAccelerationStructureKHR(VkDevice handle, VkAccelerationStructureKHR structure,
                                      const VkAllocationCallbacks* allocator) {
   Device& device = device_of(handle);
-  device.structures().destroyed(structure);
+  const auto gone = device.structures().destroyed(structure);
+  if (gone && device.manifest() != nullptr) {
+    const capture::AsDestroyedBlock block{*gone};
+    device.manifest()->write(capture::BlockType::kAsDestroyed, {bytes_of(block)});
+  }
   device.table().DestroyAccelerationStructureKHR(handle, structure, allocator);
 }
 

@@ -1,5 +1,7 @@
 #include "state/structures.h"
 
+#include <algorithm>
+
 namespace a2rt::layer {
 
 void Structures::created(VkAccelerationStructureKHR structure, VkDeviceAddress address) {
@@ -8,9 +10,18 @@ void Structures::created(VkAccelerationStructureKHR structure, VkDeviceAddress a
   contents_.erase(address);
 }
 
-void Structures::destroyed(VkAccelerationStructureKHR structure) {
+std::optional<VkDeviceAddress> Structures::destroyed(VkAccelerationStructureKHR structure) {
   const std::lock_guard lock(mutex_);
-  addresses_.erase(structure);
+  const auto found = addresses_.find(structure);
+  if (found == addresses_.end()) {
+    return std::nullopt;
+  }
+  const VkDeviceAddress address = found->second;
+  addresses_.erase(found);
+  // Another structure may have been created in the same place meanwhile.
+  const bool is_reused = std::any_of(addresses_.begin(), addresses_.end(),
+                                     [=](const auto& other) { return other.second == address; });
+  return !is_reused && contents_.erase(address) != 0 ? std::optional(address) : std::nullopt;
 }
 
 VkDeviceAddress Structures::address(VkAccelerationStructureKHR structure) const {

@@ -21,7 +21,8 @@ struct BuiltStructure {
 class Structures {
  public:
   void created(VkAccelerationStructureKHR structure, VkDeviceAddress address);
-  void destroyed(VkAccelerationStructureKHR structure);
+  // The address where nothing that was built stands any more, if that is so now.
+  std::optional<VkDeviceAddress> destroyed(VkAccelerationStructureKHR structure);
   VkDeviceAddress address(VkAccelerationStructureKHR structure) const;  // 0 = unknown
 
   std::uint64_t new_id();

@@ -54,6 +54,8 @@ class ManifestParser {
         return tlas(in);
       case BlockType::kAsCopy:
         return copy(in);
+      case BlockType::kAsDestroyed:
+        return scene_.destroy(in.get<AsDestroyedBlock>("a destruction").address);
       case BlockType::kDispatch:
         return dispatch(in);
       case BlockType::kRefused:

@@ -35,6 +35,8 @@ bool SceneTimeline::copy(const capture::AsCopyBlock& block) {
   return false;
 }
 
+void SceneTimeline::destroy(std::uint64_t address) { tlas_at_.erase(address); }
+
 std::uint32_t SceneTimeline::blas_index(std::uint64_t address) {
   const auto found = blas_at_.find(address);
   if (address == 0 || found == blas_at_.end()) {

@@ -414,6 +414,16 @@ TEST_F(Capture, AnUnknownStructureAmongSeveralIsRefused) {
             "could not tell among several");
 }
 
+TEST_F(Capture, AnUnknownStructureIsTheOnlyOneThatStillExists) {
+  by(kRaygen).ray(scene_.rays[0]).end();
+  begin_manifest();
+  manifest_.tlas(9, 0xb000, scene_.tlas[0], {kBlasAddress});
+  manifest_.destroy(kTlasAddress);
+  manifest_.dispatch(1, 1, 0, {{kRaygen, 0, 0}});
+  manifest_.end(records_.units());
+  EXPECT_EQ(import_error(manifest_.bytes(), records_.bytes()), "no error");
+}
+
 TEST_F(Capture, LostRecordsAreAnErrorUnlessTolerated) {
   by(kRaygen).ray(scene_.rays[0]).end();
   begin_manifest();

@@ -99,6 +99,12 @@ void RawManifest::copy(std::uint64_t from, std::uint64_t to, std::uint64_t id) {
   block(BlockType::kAsCopy, payload);
 }
 
+void RawManifest::destroy(std::uint64_t address) {
+  Bytes payload;
+  put(payload, AsDestroyedBlock{address});
+  block(BlockType::kAsDestroyed, payload);
+}
+
 void RawManifest::dispatch(std::uint32_t width, std::uint32_t height, std::uint64_t first_unit,
                            const std::vector<SiteBinding>& sites) {
   Bytes payload;

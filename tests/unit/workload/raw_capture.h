@@ -29,6 +29,7 @@ class RawManifest {
   void tlas(std::uint64_t id, std::uint64_t address, const Tlas& tlas,
             const std::vector<std::uint64_t>& blas_addresses);
   void copy(std::uint64_t from, std::uint64_t to, std::uint64_t id);
+  void destroy(std::uint64_t address);
   void dispatch(std::uint32_t width, std::uint32_t height, std::uint64_t first_unit,
                 const std::vector<capture::SiteBinding>& sites = {});
   void refused(const std::string& what);

@@ -22,7 +22,8 @@ enum class BlockType : std::uint32_t {
                   // GroupBlock[group_count]; stages and groups of libraries follow the own ones
   kRefused = 8,   // string: something the layer saw and could not capture, in words
   kEnd = 9,       // EndBlock; a manifest without it was cut off
-  kEffects = 10   // EffectsBlock, then SiteBlock[site_count]: what one shader does with rays
+  kEffects = 10,  // EffectsBlock, then SiteBlock[site_count]: what one shader does with rays
+  kAsDestroyed = 11  // AsDestroyedBlock: the program destroyed what stood there
 };
 
 struct BlockHeader {
@@ -108,6 +109,10 @@ struct InstanceBlock {
 struct AsCopyBlock {
   std::uint64_t source_address, destination_address;
   std::uint64_t destination_id;
+};
+
+struct AsDestroyedBlock {
+  std::uint64_t address;
 };
 
 struct DispatchBlock {
