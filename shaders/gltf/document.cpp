@@ -79,6 +79,31 @@ const char* remedy_of(const std::string& errors) {
   return kRepairFile;
 }
 
+// The loader's own test of existence takes a folder for a file, whose size is then beyond memory.
+bool is_file(const std::string& path, void*) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+// Later versions of the library also ask for sizes, earlier ones have no such member.
+template <class Callbacks>
+Callbacks callbacks_for_files() {
+  Callbacks callbacks{};
+  callbacks.FileExists = &is_file;
+  callbacks.ExpandFilePath = &tinygltf::ExpandFilePath;
+  callbacks.ReadWholeFile = &tinygltf::ReadWholeFile;
+  callbacks.WriteWholeFile = &tinygltf::WriteWholeFile;
+  if constexpr (requires { callbacks.GetFileSizeInBytes; }) {
+    callbacks.GetFileSizeInBytes = [](std::size_t* size, std::string*, const std::string& path,
+                                      void*) {
+      std::error_code error;
+      *size = static_cast<std::size_t>(std::filesystem::file_size(path, error));
+      return !error;
+    };
+  }
+  return callbacks;
+}
+
 }  // namespace
 
 Document::Document(const std::filesystem::path& file) : file_(file) {
@@ -107,13 +132,14 @@ void Document::parse() {
   const bool binary = std::memcmp(magic, "glTF", 4) == 0;
   tinygltf::TinyGLTF loader;
   loader.SetImageLoader(keep_encoded, nullptr);
+  loader.SetFsCallbacks(callbacks_for_files<tinygltf::FsCallbacks>());
   std::string errors, warnings;
   bool ok = false;
   try {
     ok = binary ? loader.LoadBinaryFromFile(&model_, &errors, &warnings, file_.string())
                 : loader.LoadASCIIFromFile(&model_, &errors, &warnings, file_.string());
   } catch (const std::bad_alloc&) {
-    errors = "a file that it names is a folder, or larger than memory";
+    errors = "a file that it names is larger than memory";
   } catch (const std::exception& e) {
     errors = e.what();
   }
