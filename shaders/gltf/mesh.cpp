@@ -3,6 +3,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <sstream>
 
 #include "gltf/parts.h"
 
@@ -169,8 +170,9 @@ void skin(const Place& place, const tinygltf::Primitive& from,
         continue;
       }
       if (!(joint >= 0 && joint < static_cast<double>(joints.size()))) {
-        place.fail("vertex " + std::to_string(i) + " names joint " +
-                   std::to_string(static_cast<std::int64_t>(joint)) + " of " +
+        std::ostringstream named;  // any number can stand there
+        named << joint;
+        place.fail("vertex " + std::to_string(i) + " names joint " + named.str() + " of " +
                    std::to_string(joints.size()));
       }
       blend += weight.at(i, c) * joints[static_cast<std::size_t>(joint)];

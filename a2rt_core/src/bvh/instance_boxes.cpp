@@ -131,6 +131,8 @@ float round_up(double v) {
 
 // Bounds of a world box stay finite in FP32.
 constexpr double kLimit = 0x1p127;
+// Extents of boxes up to here are finite too, which some encodings need.
+constexpr float kFar = 0x1p126F;
 
 // The driver's ray is then the world's ray, bit for bit.
 bool is_identity(const Map& m) {
@@ -168,9 +170,14 @@ RayReach ray_reach(std::span<const Ray> rays, std::uint32_t tlas) {
   return reach;
 }
 
-Box unbounded_box() {
-  constexpr float kFar = std::numeric_limits<float>::max();
-  return {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+Box unbounded_box(const RayReach& reach, const Box& object_box) {
+  float largest = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    largest = std::max(
+        {largest, reach.origin[a], std::fabs(object_box.lo[a]), std::fabs(object_box.hi[a])});
+  }
+  const float far = largest < kFar / 2 ? kFar : std::numeric_limits<float>::max();
+  return {{-far, -far, -far}, {far, far, far}};
 }
 
 Box instance_world_box(const Instance& instance, const Box& object_box, const RayReach& reach) {
@@ -186,7 +193,7 @@ Box instance_world_box(const Instance& instance, const Box& object_box, const Ra
   }
   const std::optional<Inverse> inverse = invert(m);
   if (!inverse) {
-    return unbounded_box();
+    return unbounded_box(reach, object_box);
   }
   const double inverse_norm = largest_entry(inverse->map);
   std::array<double, 3> reach_p{};
@@ -199,7 +206,7 @@ Box instance_world_box(const Instance& instance, const Box& object_box, const Ra
       const Interval w = world_interval(*inverse, m, object_box, grow, inverse_norm, k);
       const double most = std::fabs(w.center) + w.radius;
       if (!(most < kLimit)) {
-        return unbounded_box();
+        return unbounded_box(reach, object_box);
       }
       closed = closed && most <= reach_p[k];
       reach_p[k] = std::max(reach_p[k], 1.0000001 * most + 0x1p-140);
@@ -210,7 +217,7 @@ Box instance_world_box(const Instance& instance, const Box& object_box, const Ra
       return box;
     }
   }
-  return unbounded_box();
+  return unbounded_box(reach, object_box);
 }
 
 }  // namespace a2rt::bvh

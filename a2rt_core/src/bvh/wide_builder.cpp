@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -73,16 +72,10 @@ float build_scale(float largest) {
 
 // Instances without a bound (instance_boxes.h) reach as far as numbers do. They must not set the
 // scale, or nothing would be left of the others' areas.
-constexpr float kUnbounded = std::numeric_limits<float>::max();
-
-float largest_bounded(const Box& b) {
-  float largest = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (const float v : {std::fabs(b.lo[a]), std::fabs(b.hi[a])}) {
-      largest = v < kUnbounded ? std::max(largest, v) : largest;
-    }
-  }
-  return largest;
+bool is_unbounded(const Box& b) {
+  constexpr float kFar = 0x1p126F;
+  return b.hi.x >= kFar && b.hi.y == b.hi.x && b.hi.z == b.hi.x && b.lo.x == -b.hi.x &&
+         b.lo.y == -b.hi.x && b.lo.z == -b.hi.x;
 }
 
 template <class Primitive>
@@ -96,9 +89,11 @@ std::vector<RTCBuildPrimitive> build_primitives(std::span<const Primitive> all) 
     if (!b.valid()) {
       continue;
     }
-    largest = std::max(largest, largest_bounded(b));
-    unbounded = unbounded || b.hi.x == kUnbounded || b.hi.y == kUnbounded || b.hi.z == kUnbounded ||
-                b.lo.x == -kUnbounded || b.lo.y == -kUnbounded || b.lo.z == -kUnbounded;
+    const bool far = is_unbounded(b);
+    unbounded = unbounded || far;
+    for (std::size_t a = 0; a < 3 && !far; ++a) {
+      largest = std::max({largest, std::fabs(b.lo[a]), std::fabs(b.hi[a])});
+    }
     result.push_back(
         {b.lo.x, b.lo.y, b.lo.z, 0, b.hi.x, b.hi.y, b.hi.z, static_cast<std::uint32_t>(i)});
   }

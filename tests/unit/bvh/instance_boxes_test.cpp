@@ -93,6 +93,13 @@ TEST(InstanceBox, RaysThatAreNotTracedAskForNoRoom) {
   EXPECT_EQ(reach.shortest_direction, 0.5F);
 }
 
+// Found by the fuzzer of workloads: extents of all of FP32 cannot be encoded by every unit.
+TEST(InstanceBox, WithoutABoundStillHasFiniteExtentsUnlessTheSceneReachesFurther) {
+  const Box box = unbounded_box({{1e30F, 0, 0}, 1}, kObject);
+  EXPECT_TRUE(std::isfinite(box.hi.x - box.lo.x));
+  EXPECT_EQ(unbounded_box({{0, 1e38F, 0}, 1}, kObject).hi.x, std::numeric_limits<float>::max());
+}
+
 // Found by a reviewer: boxes ended at 2^100, objects beyond were lost with nothing to show for it.
 TEST(InstanceBox, HoldsObjectsAsFarAsFp32Reaches) {
   const Box far{{1e31F, -1e38F, 1}, {2e31F, 3e38F, 2}};
@@ -113,10 +120,10 @@ TEST(InstanceBox, SingularMapsCanBeHitFromAnywhere) {
   for (std::size_t a = 0; a < 3; ++a) {
     instance.world_to_object = Affine{};
     instance.world_to_object.m[a][a] = 0;
-    EXPECT_EQ(instance_world_box(instance, kObject, {}), unbounded_box());
+    EXPECT_EQ(instance_world_box(instance, kObject, {}), unbounded_box({}, kObject));
   }
   instance.world_to_object = Affine{{{0, 0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 1}}};
-  EXPECT_EQ(instance_world_box(instance, kObject, {}), unbounded_box());
+  EXPECT_EQ(instance_world_box(instance, kObject, {}), unbounded_box({}, kObject));
 }
 
 TEST(InstanceBox, NonFiniteMapsAndNoStructureCannotBeHit) {

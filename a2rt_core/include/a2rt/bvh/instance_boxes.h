@@ -32,9 +32,9 @@ struct RayReach {
 RayReach ray_reach(std::span<const Ray> rays, std::uint32_t tlas);
 
 // Box for instances without a bound: the world points that a singular map takes into the object
-// box reach infinitely far, and for nearly singular ones the bound does not converge. Holds every
-// finite point.
-Box unbounded_box();
+// box reach infinitely far, and for nearly singular ones the bound does not converge. Twice as far
+// as any ray or object, with finite extents, or all of FP32 if these reach beyond 2^125.
+Box unbounded_box(const RayReach& reach, const Box& object_box);
 
 // World box of one instance; empty if it cannot be hit: no BLAS, an empty BLAS, or a map with a
 // NaN or an infinity (the object ray is then inactive).
