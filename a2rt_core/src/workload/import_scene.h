@@ -27,9 +27,9 @@ class SceneTimeline {
 
   void add_blas(const capture::AsBlock& block, Blas blas);
   void add_tlas(const capture::AsBlock& block, RawTlas tlas);
-  // Returns false if nothing is known at the source address.
   // A TLAS that no longer exists is not the one that a trace by address means.
   void destroy(std::uint64_t address);
+  // Returns false if nothing is known at the source address.
   bool copy(const capture::AsCopyBlock& block);
 
   // Index into Workload::tlas of TLAS `id` as it is now, with the BLASes its instances refer to as
