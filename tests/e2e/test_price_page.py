@@ -16,7 +16,7 @@ from a2rt_cli.report import price, price_answers, price_page, price_scatter
 from a2rt_cli.sweep import plan
 
 EXPERIMENT = """title = "made up"
-scenes = ["one", "two"]
+scenes = ["cornell", "spheres"]
 
 [[knob]]
 title = "Box bits"
@@ -57,7 +57,7 @@ DOT = bytes.fromhex(
 def made_up_result(scene: str, overrides: tuple[str, ...], scale: float) -> dict:
     redundant, cycles, lost = MADE_UP[overrides]
     changed = 5 if lost else 0
-    name = "pictures/one.driver.png" if not lost else "pictures/changed.png"
+    name = "pictures/cornell.driver.png" if not lost else "pictures/changed.png"
     return {
         "schema": 1,
         "unit": {"name": "a2rt"},
@@ -94,11 +94,11 @@ def sweep(tmp_path: Path) -> tuple[Path, experiment.Experiment]:
     file.write_text(EXPERIMENT, encoding="utf-8")
     found = [
         made_up_result(scene, overrides, scale)
-        for (scene, scale), overrides in itertools.product((("one", 1), ("two", 3)), MADE_UP)
+        for (scene, scale), overrides in itertools.product((("cornell", 1), ("spheres", 3)), MADE_UP)
     ]
     (tmp_path / "results.json").write_text(json.dumps(found), encoding="utf-8")
     (tmp_path / "pictures").mkdir()
-    for name in ("one.driver", "two.driver", "changed", "difference"):
+    for name in ("cornell.driver", "spheres.driver", "changed", "difference"):
         (tmp_path / "pictures" / f"{name}.png").write_bytes(DOT)
     return tmp_path, experiment.load(file)
 
@@ -189,12 +189,12 @@ def test_the_scatter_shows_every_configuration_of_the_chosen_scene(sweep):
     together = part(dom_after(page), '<svg id="scatter"', "</svg>")
     assert together.count('class="point') == len(MADE_UP)
     assert "of A²RT's default" in together
-    one = "choosers.scene.value = 'two'; choosers.scene.dispatchEvent(new Event('change'));"
+    one = "choosers.scene.value = 'spheres'; choosers.scene.dispatchEvent(new Event('change'));"
     dom = dom_after(page, one)
     alone = part(dom, '<svg id="scatter"', "</svg>")
     assert alone.count('class="point') == len(MADE_UP)
     assert "of A²RT's default" not in alone
-    assert '<div data-scope="two">' in dom and '<div data-scope="all" hidden="">' in dom
+    assert '<div data-scope="spheres">' in dom and '<div data-scope="all" hidden="">' in dom
 
 
 def test_pointing_at_a_point_names_it_and_a_click_shows_its_pictures(sweep):
