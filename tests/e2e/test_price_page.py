@@ -112,9 +112,7 @@ def dom_after(page: Path, script: str = "") -> str:
         pytest.skip("chromium is not installed")
     driven = page.with_name("driven.html")
     text = page.read_text(encoding="utf-8")
-    driven.write_text(
-        text.replace("</body>", f"<script>{script}</script></body>"), "utf-8"
-    )
+    driven.write_text(text.replace("</body>", f"<script>{script}</script></body>"), "utf-8")
     flags = "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run "
     flags += "--disable-background-networking --disable-component-update --disable-sync"
     command = [
@@ -124,9 +122,7 @@ def dom_after(page: Path, script: str = "") -> str:
         "--dump-dom",
     ]
     command += ["--virtual-time-budget=5000", driven.resolve().as_uri()]
-    reply = subprocess.run(
-        command, capture_output=True, text=True, timeout=120, check=False
-    )
+    reply = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert reply.returncode == 0, reply.stderr[-2000:]
     return html.unescape(reply.stdout)
 
@@ -139,9 +135,7 @@ def part(dom: str, start: str, end: str) -> str:
 
 def test_the_answers_follow_from_the_runs(sweep):
     folder, asked = sweep
-    found = price.Found(
-        json.loads((folder / "results.json").read_text(encoding="utf-8"))
-    )
+    found = price.Found(json.loads((folder / "results.json").read_text(encoding="utf-8")))
     bits, rounding, best = price_answers.answers(asked, found)
     # 1000 / 980, 0.10 / 0.04, equal areas
     assert bits.headline == "+2.04 % time, +150 % redundant hits, ±0 % tester area"
@@ -149,20 +143,13 @@ def test_the_answers_follow_from_the_runs(sweep):
     assert "loses the closest hit of 6 rays" in rounding.detail  # 3 in each scene
     assert best.headline == "S_t = 0.01, L_t = 0.01; 2 of 4 settings within 1 %"
     assert "11.11 % slower" in best.detail  # the default's 1000 against 900
-    assert (
-        "S_t alone anywhere from 0.01 to 0.1 costs at most 10.0 % of time"
-        in best.detail
-    )
-    assert (
-        "L_t alone anywhere from 0.01 to 0.1 costs at most 0.6 % of time" in best.detail
-    )
+    assert "S_t alone anywhere from 0.01 to 0.1 costs at most 10.0 % of time" in best.detail
+    assert "L_t alone anywhere from 0.01 to 0.1 costs at most 0.6 % of time" in best.detail
 
 
 def test_one_more_bit_is_counted_from_the_units_own_value(sweep):
     folder, asked = sweep
-    found = price.Found(
-        json.loads((folder / "results.json").read_text(encoding="utf-8"))
-    )
+    found = price.Found(json.loads((folder / "results.json").read_text(encoding="utf-8")))
     finer, coarser = price_answers.steps(price.prices_of(asked.knobs[0], found))
     assert finer[1:5] == ["8 → 9 (finer)", "−50.0 %", "0", "−1.00 %"]
     assert coarser[1:5] == ["8 → 7 (coarser)", "+100.0 %", "0", "+1.00 %"]
@@ -209,10 +196,7 @@ def test_the_scatter_shows_every_configuration_of_the_chosen_scene(sweep):
     alone = part(dom, '<svg id="scatter"', "</svg>")
     assert alone.count('class="point') == len(MADE_UP)
     assert "of A²RT's default" not in alone
-    assert (
-        '<div data-scope="spheres">' in dom
-        and '<div data-scope="all" hidden="">' in dom
-    )
+    assert '<div data-scope="spheres">' in dom and '<div data-scope="all" hidden="">' in dom
 
 
 def test_pointing_at_a_point_names_it_and_a_click_shows_its_pictures(sweep):
