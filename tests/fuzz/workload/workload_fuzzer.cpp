@@ -167,7 +167,15 @@ void damage_fields(const std::uint8_t* data, std::size_t size) {
   const config::Section section = config::Section::from_text("", "fuzzer");
   for (const char* name : {"baseline", "a2rt", "aqb8"}) {
     const auto unit = unit_registry().create(name, section);
-    unit->build(w);
+    try {
+      unit->build(w);
+    } catch (const UserError&) {
+      // AQB8 cannot encode extents beyond FP32 and says so; the others take every workload.
+      if (std::string_view(name) != "aqb8") {
+        throw;
+      }
+      continue;
+    }
     rt::run_functional(*unit, w);
   }
 }
