@@ -15,6 +15,7 @@
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <string_view>
 
 #include "a2rt/base/error.h"
 #include "a2rt/config/section.h"
