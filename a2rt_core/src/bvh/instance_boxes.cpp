@@ -131,20 +131,6 @@ float round_up(double v) {
 
 // Bounds of a world box stay finite in FP32.
 constexpr double kLimit = 0x1p127;
-// Extents of boxes up to here are finite too, which some encodings need.
-constexpr float kFar = 0x1p126F;
-
-// The driver's ray is then the world's ray, bit for bit.
-bool is_identity(const Map& m) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 4; ++j) {
-      if (m[i][j] != (i == j ? 1.0 : 0.0)) {
-        return false;
-      }
-    }
-  }
-  return true;
-}
 
 }  // namespace
 
@@ -176,7 +162,8 @@ Box unbounded_box(const RayReach& reach, const Box& object_box) {
     largest = std::max(
         {largest, reach.origin[a], std::fabs(object_box.lo[a]), std::fabs(object_box.hi[a])});
   }
-  const float far = largest < kFar / 2 ? kFar : std::numeric_limits<float>::max();
+  const float far =
+      largest < kUnboundedReach / 2 ? kUnboundedReach : std::numeric_limits<float>::max();
   return {{-far, -far, -far}, {far, far, far}};
 }
 
@@ -188,8 +175,8 @@ Box instance_world_box(const Instance& instance, const Box& object_box, const Ra
   if (!finite(m)) {
     return {};
   }
-  if (is_identity(m)) {
-    return object_box;
+  if (instance.world_to_object == Affine{}) {
+    return object_box;  // the driver's ray is the world's, bit for bit
   }
   const std::optional<Inverse> inverse = invert(m);
   if (!inverse) {

@@ -16,6 +16,7 @@
 
 #include "a2rt/base/error.h"
 #include "a2rt/base/thread_clock.h"
+#include "a2rt/bvh/instance_boxes.h"
 
 namespace a2rt::bvh {
 namespace {
@@ -70,11 +71,9 @@ float build_scale(float largest) {
   return std::ldexp(1.0F, largest > kLargest ? 49 - exponent : std::min(-exponent, 126));
 }
 
-// Instances without a bound (instance_boxes.h) reach as far as numbers do. They must not set the
-// scale, or nothing would be left of the others' areas.
+// Instances without a bound must not set the scale, or nothing would be left of the others' areas.
 bool is_unbounded(const Box& b) {
-  constexpr float kFar = 0x1p126F;
-  return b.hi.x >= kFar && b.hi.y == b.hi.x && b.hi.z == b.hi.x && b.lo.x == -b.hi.x &&
+  return b.hi.x >= kUnboundedReach && b.hi.y == b.hi.x && b.hi.z == b.hi.x && b.lo.x == -b.hi.x &&
          b.lo.y == -b.hi.x && b.lo.z == -b.hi.x;
 }
 

@@ -31,6 +31,10 @@ struct RayReach {
 // Reach of the rays that are traced into TLAS `tlas`.
 RayReach ray_reach(std::span<const Ray> rays, std::uint32_t tlas);
 
+// Boxes without a bound reach at least as far. Extents of boxes up to here are finite in FP32,
+// which some encodings need.
+inline constexpr float kUnboundedReach = 0x1p126F;
+
 // Box for instances without a bound: the world points that a singular map takes into the object
 // box reach infinitely far, and for nearly singular ones the bound does not converge. Twice as far
 // as any ray or object, with finite extents, or all of FP32 if these reach beyond 2^125.
