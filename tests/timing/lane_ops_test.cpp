@@ -24,9 +24,13 @@ struct Compiled {
   }
 };
 
-Compiled compile(const std::vector<Event>& events, ContextPolicy policy = ContextPolicy::kStack) {
+constexpr Address kSpill{std::uint64_t{1} << 44};
+
+Compiled compile(const std::vector<Event>& events, const RtConfig& config = {}) {
   Compiled c;
-  compile_lane(events, policy, c.counts, c.ops);
+  LaneCompiler uut(config);
+  uut.compile(events, kSpill, c.ops);
+  c.counts = uut.counts();
   return c;
 }
 

@@ -103,59 +103,16 @@ SectorMask L1Cache::take_misses(std::uint32_t& index, Address line, SectorMask s
   return taken;
 }
 
-L1Cache::Lookup L1Cache::read(Cycles now, Port& port, Address line, SectorMask sectors,
-                              Traffic kind, L1Client& client, std::uint32_t token) {
-  Lookup result;
-  banks_.advance(now);
-  const SectorMask valid = tags_.touch(line, sectors);
-  result.accepted = result.hits = valid;
-  counts_.hits[static_cast<std::size_t>(kind)] += sectors_in(valid);
-  const auto missing = static_cast<SectorMask>(sectors & ~valid);
-  if (missing == 0) {
-    enter_all(now, port, line, result);
-    counts_.reads[static_cast<std::size_t>(kind)] += sectors_in(valid);
-    return result;
-  }
-  std::uint32_t index = find(line_of(line));
-  const auto known = index == kNil ? SectorMask{0} : pending_[index].sectors;
-  const SectorMask taken = take_misses(index, line, missing, kind);
-  if (taken != missing) {
-    result.mshrs_full = true;
-    ++counts_.mshr_full;
-    if (std::find(turned_away_.begin(), turned_away_.end(), &client) == turned_away_.end()) {
-      turned_away_.push_back(&client);
-    }
-  }
-  result.accepted = static_cast<SectorMask>(valid | taken);
-  enter_all(now, port, line, result);
-  counts_.reads[static_cast<std::size_t>(kind)] += sectors_in(result.accepted);
-  if (taken != 0) {
-    const auto last = static_cast<std::size_t>(std::bit_width(unsigned{taken})) - 1;
-    add_waiter(pending_[index], {&client, token, kNil, result.ready[last], taken});
-  }
-  if (const auto fresh = static_cast<SectorMask>(taken & ~known); fresh != 0) {
-    lower_.request(departure(fresh, result.ready), sm_, line, fresh, kind, false);
-  }
-  return result;
-}
-
-// Sends the accepted sectors, in order.
-void L1Cache::enter_all(Cycles now, Port& port, Address line, Lookup& lookup) {
+// Sends the accepted sectors, in order; there is at least one.
+inline void L1Cache::enter_all(Cycles now, Port& port, Address line, Lookup& lookup) {
   const std::uint64_t base = line.value / kSectorBytes;
-  if (port.simple()) {
-    enter_simple(now, port, base, lookup);
+  if (!port.simple()) {
+    for_each_sector(lookup.accepted, [&](std::uint32_t s) {
+      lookup.ready[s] = enter(now, port, base + s) + config_.latency;
+    });
     return;
   }
-  for_each_sector(lookup.accepted, [&](std::uint32_t s) {
-    lookup.ready[s] = enter(now, port, base + s) + config_.latency;
-  });
-}
-
-// enter_all() through a port of one sector a cycle.
-void L1Cache::enter_simple(Cycles now, Port& port, std::uint64_t base, Lookup& lookup) {
-  if (lookup.accepted == 0) {
-    return;
-  }
+  // One sector a cycle.
   const Cycles answered = banks_.base() + config_.latency;
   std::uint64_t ahead = port.next(now).value - banks_.base().value;
   for (std::uint32_t rest = lookup.accepted; rest != 0; rest &= rest - 1, ++ahead) {
@@ -171,6 +128,50 @@ void L1Cache::enter_simple(Cycles now, Port& port, std::uint64_t base, Lookup& l
     lookup.ready[s] = answered + Cycles{ahead};
   }
   port.use_until(banks_.base() + Cycles{ahead - 1}, sectors_in(lookup.accepted));
+}
+
+L1Cache::Lookup L1Cache::read(Cycles now, Port& port, Address line, SectorMask sectors,
+                              Traffic kind, L1Client& client, std::uint32_t token) {
+  banks_.advance(now);
+  Lookup result;
+  result.hits = tags_.touch(line, sectors);
+  result.accepted = result.hits;
+  counts_.hits[static_cast<std::size_t>(kind)] += sectors_in(result.hits);
+  const auto missing = static_cast<SectorMask>(sectors & ~result.hits);
+  if (missing != 0) {
+    miss(now, port, line, missing, kind, client, token, result);
+  } else {
+    enter_all(now, port, line, result);
+  }
+  counts_.reads[static_cast<std::size_t>(kind)] += sectors_in(result.accepted);
+  return result;
+}
+
+// Some of the sectors are not there: as many as there are MSHRs for are fetched.
+void L1Cache::miss(Cycles now, Port& port, Address line, SectorMask missing, Traffic kind,
+                   L1Client& client, std::uint32_t token, Lookup& result) {
+  std::uint32_t index = find(line_of(line));
+  const auto known = index == kNil ? SectorMask{0} : pending_[index].sectors;
+  const SectorMask taken = take_misses(index, line, missing, kind);
+  if (taken != missing) {
+    result.mshrs_full = true;
+    ++counts_.mshr_full;
+    if (std::find(turned_away_.begin(), turned_away_.end(), &client) == turned_away_.end()) {
+      turned_away_.push_back(&client);
+    }
+  }
+  result.accepted = static_cast<SectorMask>(result.hits | taken);
+  if (result.accepted == 0) {
+    return;
+  }
+  enter_all(now, port, line, result);
+  if (taken != 0) {
+    const auto last = static_cast<std::size_t>(std::bit_width(unsigned{taken})) - 1;
+    add_waiter(pending_[index], {&client, token, kNil, result.ready[last], taken});
+  }
+  if (const auto fresh = static_cast<SectorMask>(taken & ~known); fresh != 0) {
+    lower_.request(departure(fresh, result.ready), sm_, line, fresh, kind, false);
+  }
 }
 
 void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind) {

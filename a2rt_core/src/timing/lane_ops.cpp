@@ -27,13 +27,18 @@ constexpr auto kTesterOf = [] {
   return testers;
 }();
 
-class Compiler {
+// Each lane's spill memory holds stack entries in its lower half, contexts in its upper.
+constexpr std::uint64_t kSpillArea = kSpillBytesPerLane / 2;
+
+// One ray on its way from events to operations.
+class RayCompiler {
  public:
-  Compiler(const std::vector<Event>& events, ContextPolicy context, LaneOpCounts& counts,
-           LaneOps& out)
+  RayCompiler(const std::vector<Event>& events, const RtConfig& config, Address spill,
+              LaneOpCounts& counts, LaneOps& out)
       : at_(events.data()),
         end_(events.data() + events.size()),
-        context_(context),
+        config_(config),
+        spill_(spill),
         counts_(counts),
         out_(out) {}
 
@@ -66,48 +71,114 @@ class Compiler {
   }
 
   void other(const Event& event) {
-    using Code = LaneOp::Code;
     if (event.kind == EventKind::kContextPop && event.count == 0) {
-      out_.push_back(LaneOp::counted(Code::kForgetContext, 0));
+      forget_context();
       return;
     }
     count(event);
     switch (event.kind) {
       case EventKind::kFetch:
-        event.traffic == Traffic::kResult ? store(event) : read(event);
+        event.traffic == Traffic::kResult
+            ? store(Address{event.address}, event.bytes, event.traffic)
+            : read(event);
         return;
       case EventKind::kEscape:
         return;  // the unit emits the dequantizations and FP32 tests that it causes
       case EventKind::kPush:
-        out_.push_back(LaneOp::counted(Code::kPush, event.count));
+        push(event.count);
         return;
       case EventKind::kPop:
-        out_.push_back(LaneOp::counted(Code::kPop, event.count));
+        pop(event.count);
         return;
       case EventKind::kContextPush:
-        out_.push_back(LaneOp::counted(Code::kPushContext, 0));
+        push_context();
         return;
       case EventKind::kContextPop:
-        pop_context(event);
+        config_.context == ContextPolicy::kRefetch ? refetch_context(event) : pop_context();
         return;
       case EventKind::kAnyHit:
-        out_.push_back(LaneOp::counted(Code::kAnyHit, event.count));
+        out_.push_back(LaneOp::counted(LaneOp::Code::kAnyHit, event.count));
         return;
       case EventKind::kIntersection:
-        out_.push_back(LaneOp::counted(Code::kIntersection, event.count));
+        out_.push_back(LaneOp::counted(LaneOp::Code::kIntersection, event.count));
         return;
       default:
         A2RT_CHECK(false, "a ray emitted an event of unknown kind");
     }
   }
 
-  void pop_context(const Event& event) {
-    if (context_ != ContextPolicy::kRefetch) {
-      out_.push_back(LaneOp::counted(LaneOp::Code::kPopContext, 0));
+  // Entries leave for memory a sector at a time, oldest first, so that one store moves several.
+  void push(std::uint32_t count) {
+    const std::uint32_t limit = config_.stack_entries;
+    stack_ += count;
+    counts_.stack_pushed += count;
+    while (limit > 0 && stack_ > limit) [[unlikely]] {
+      const std::uint32_t moved = std::min(entries_per_sector(), stack_);
+      store(stack_address(), moved * config_.stack_entry_bytes, Traffic::kStack);
+      stack_ -= moved;
+      spilled_ += moved;
+      ++counts_.stack_spills;
+      counts_.stack_spilled += moved;
+    }
+  }
+
+  void pop(std::uint32_t count) {
+    A2RT_CHECK(count <= stack_ + spilled_, "a ray pops more than it pushed");
+    counts_.stack_popped += count;
+    if (stack_ >= count) [[likely]] {
+      stack_ -= count;
       return;
     }
+    const std::uint32_t per_sector = entries_per_sector();
+    const std::uint32_t lacking = count - stack_;
+    const std::uint32_t moved =
+        std::min(spilled_, (lacking + per_sector - 1) / per_sector * per_sector);
+    spilled_ -= moved;
+    stack_ = stack_ + moved - count;
+    counts_.stack_fills += (moved + per_sector - 1) / per_sector;
+    counts_.stack_filled += moved;
+    fill(stack_address(), moved * config_.stack_entry_bytes);
+  }
+
+  void push_context() {
+    ++contexts_;
+    if (config_.context == ContextPolicy::kRefetch) {
+      return;
+    }
+    ++counts_.context_saves;
+    if (config_.context_entries == 0 || contexts_ <= config_.context_entries) {
+      return;
+    }
+    store(context_address(), config_.context_bytes, Traffic::kStack);
+    --contexts_;
+    ++contexts_spilled_;
+    ++counts_.context_spills;
+  }
+
+  void pop_context() {
+    A2RT_CHECK(contexts_ + contexts_spilled_ > 0, "a ray restores a context it never saved");
+    ++counts_.context_restores;
+    if (contexts_ > 0) {
+      --contexts_;
+      return;
+    }
+    --contexts_spilled_;
+    ++counts_.context_fills;
+    fill(context_address(), config_.context_bytes);
+  }
+
+  void forget_context() {
+    A2RT_CHECK(contexts_ + contexts_spilled_ > 0, "a ray forgets a context it never saved");
+    --(contexts_ > 0 ? contexts_ : contexts_spilled_);
+  }
+
+  // Reads the record again and repeats what was made of it.
+  void refetch_context(const Event& event) {
+    A2RT_CHECK(contexts_ > 0, "a ray restores a context it never saved");
+    --contexts_;
     const bool anchor = event.traffic == Traffic::kAnchor;
-    out_.push_back(LaneOp::counted(LaneOp::Code::kRefetchContext, anchor ? 1 : 2));
+    ++counts_.context_refetches;
+    counts_.context_refetch_steps += anchor ? 1 : 2;
     read(event);
     out_.push_back(LaneOp::test(anchor ? Tester::kAnchor : Tester::kBox, 1));
     if (!anchor) {
@@ -115,39 +186,75 @@ class Compiler {
     }
   }
 
-  void store(const Event& event) {
-    const std::uint64_t last = (event.address + event.bytes - 1) / kSectorBytes;
-    for (std::uint64_t s = event.address / kSectorBytes; s <= last; ++s) {
-      out_.push_back(LaneOp::store(
-          s / kSectorsPerLine, static_cast<SectorMask>(1u << s % kSectorsPerLine), event.traffic));
+  std::uint32_t entries_per_sector() const {
+    return static_cast<std::uint32_t>(kSectorBytes) / config_.stack_entry_bytes;
+  }
+  Address stack_address() const {
+    return spill_ + Bytes{std::uint64_t{spilled_} * config_.stack_entry_bytes % kSpillArea};
+  }
+  Address context_address() const {
+    return spill_ + Bytes{kSpillArea + std::uint64_t{contexts_spilled_} * config_.context_bytes %
+                                           kSpillArea};
+  }
+
+  void store(Address address, std::uint64_t bytes, Traffic kind) {
+    const std::uint64_t last = (address.value + bytes - 1) / kSectorBytes;
+    for (std::uint64_t s = address.value / kSectorBytes; s <= last; ++s) {
+      out_.push_back(LaneOp::store(s / kSectorsPerLine,
+                                   static_cast<SectorMask>(1u << s % kSectorsPerLine), kind));
     }
+  }
+
+  // What was spilled comes back; nothing else is part of its read.
+  void fill(Address address, std::uint64_t bytes) {
+    begin_read();
+    record(address.value, bytes, Traffic::kStack);
+    out_.back() = out_.back().as_last();
   }
 
   // A contiguous range of records of several kinds is one read of the unit.
   void read(const Event& event) {
-    record(event);
+    begin_read();
+    record(event.address, event.bytes, event.traffic);
     std::uint64_t end = event.address + event.bytes;
     while (at_ != end_ && at_->kind == EventKind::kFetch && at_->address == end &&
            at_->traffic != Traffic::kResult) {
       count(*at_);
-      record(*at_);
+      record(at_->address, at_->bytes, at_->traffic);
       end += at_++->bytes;
     }
     out_.back() = out_.back().as_last();
   }
 
-  void record(const Event& event) {
-    A2RT_CHECK(event.bytes > 0, "a ray fetches 0 bytes");
-    ++counts_.fetches[static_cast<std::size_t>(event.traffic)];
-    counts_.fetch_bytes[static_cast<std::size_t>(event.traffic)] += event.bytes;
-    for_each_line(Address{event.address}, event.bytes, [&](std::uint64_t line, SectorMask sectors) {
-      out_.push_back(LaneOp::read(line, sectors, event.traffic));
+  void begin_read() { line_ = ~std::uint64_t{0}; }
+
+  void record(std::uint64_t address, std::uint64_t bytes, Traffic kind) {
+    A2RT_CHECK(bytes > 0, "a ray fetches 0 bytes");
+    const auto k = static_cast<std::size_t>(kind);
+    ++counts_.fetches[k];
+    counts_.fetch_bytes[k] += bytes;
+    for_each_line(Address{address}, bytes, [&](std::uint64_t line, SectorMask sectors) {
+      if (line != line_) [[likely]] {
+        line_ = line;
+        counts_.sectors_wanted[k] += sectors_in(sectors);
+        out_.push_back(LaneOp::read(line, sectors, kind));
+        return;
+      }
+      // The record before it, in the same read, ended in this line.
+      LaneOp& before = out_.back();
+      counts_.sectors_wanted[k] +=
+          sectors_in(static_cast<SectorMask>(sectors & ~before.sectors()));
+      before = before.with(sectors);
     });
   }
 
   const Event* at_;
   const Event* end_;
-  ContextPolicy context_;
+  const RtConfig& config_;
+  Address spill_;
+  std::uint64_t line_ = 0;  // last one of the present read
+  std::uint32_t stack_ = 0, spilled_ = 0;
+  std::uint32_t contexts_ = 0, contexts_spilled_ = 0;
   LaneOpCounts& counts_;
   LaneOps& out_;
 };
@@ -161,9 +268,8 @@ void LaneOps::grow() {
   data_ = std::move(bigger);
 }
 
-void compile_lane(const std::vector<Event>& events, ContextPolicy context, LaneOpCounts& counts,
-                  LaneOps& out) {
-  Compiler(events, context, counts, out).run();
+void LaneCompiler::compile(const std::vector<Event>& events, Address spill, LaneOps& out) {
+  RayCompiler(events, config_, spill, counts_, out).run();
 }
 
 }  // namespace a2rt::timing

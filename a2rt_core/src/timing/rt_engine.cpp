@@ -25,7 +25,9 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
       l1_(l1),
       source_(source),
       host_(host),
-      port_(config.rt.port_sectors, ClockDomain(config.rt.mhz, config.core_mhz)) {
+      slots_(config.rt.warps),
+      port_(config.rt.port_sectors, ClockDomain(config.rt.mhz, config.core_mhz)),
+      compiler_(config.rt) {
   for (std::size_t t = 0; t < kTesters; ++t) {
     const TesterConfig& c = config.rt.testers[t];
     std::uint32_t count = share(c.count, index, config.sm.count);
@@ -38,19 +40,16 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
     pools_[t] =
         TesterPool(count, c.latency, c.interval, ClockDomain(config.rt.mhz, config.core_mhz));
   }
-  for (std::uint32_t i = 0; i < config.rt.warps; ++i) {
-    slots_.push_back(std::make_unique<Slot>());
-  }
 }
 
 void RtEngine::accept(Cycles now, std::uint32_t warp, LaneRays rays) {
   A2RT_CHECK(has_room(), "the RT unit was given a warp without having room");
   account(now);
   std::uint32_t index = 0;
-  while (slots_[index]->used) {
+  while (slots_[index].used) {
     ++index;
   }
-  Slot& slot = *slots_[index];
+  Slot& slot = slots_[index];
   slot.used = true;
   slot.judging = false;
   slot.warp = warp;
@@ -60,7 +59,7 @@ void RtEngine::accept(Cycles now, std::uint32_t warp, LaneRays rays) {
   slot.arrived = now;
   ++resident_;
   ++counts_.warps;
-  compile(now, slot, rays);
+  compile(now, index, rays);
   A2RT_CHECK(slot.active > 0, "a warp without rays was sent to the RT unit");
   for (std::uint32_t l = 0; l < kLanes; ++l) {
     if (rays[l] != kNone) {
@@ -70,7 +69,8 @@ void RtEngine::accept(Cycles now, std::uint32_t warp, LaneRays rays) {
   }
 }
 
-void RtEngine::compile(Cycles now, Slot& slot, const LaneRays& rays) {
+void RtEngine::compile(Cycles now, std::uint32_t index, const LaneRays& rays) {
+  Slot& slot = slots_[index];
   std::array<std::size_t, kLanes> first{};
   slot.ops.clear();
   for (std::uint32_t l = 0; l < kLanes; ++l) {
@@ -81,7 +81,7 @@ void RtEngine::compile(Cycles now, Slot& slot, const LaneRays& rays) {
     if (rays[l] != kNone) {
       events_.clear();
       source_.events(rays[l], events_);
-      compile_lane(events_, config_.rt.context, op_counts_, slot.ops);
+      compiler_.compile(events_, spill_memory(index, l), slot.ops);
       ++slot.active;
       ++counts_.rays;
     }
@@ -91,7 +91,7 @@ void RtEngine::compile(Cycles now, Slot& slot, const LaneRays& rays) {
   }
 }
 
-void RtEngine::book_lane(Lane& lane, Cycles until, LaneReason reason) {
+inline void RtEngine::book_lane(Lane& lane, Cycles until, LaneReason reason) {
   counts_.lane_cycles[static_cast<std::size_t>(reason)] += until.value - lane.since.value;
   lane.since = until;
 }
@@ -124,180 +124,114 @@ void RtEngine::set_state(Cycles now, Lane& lane, LaneState state) {
   in_shader_ += state == LaneState::kCandidate || state == LaneState::kAtShader;
 }
 
-void RtEngine::appoint(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t l) {
-  if (at.value - now.value >= kNear) {
+inline void RtEngine::appoint(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t l) {
+  if (at.value - now.value >= kNear) [[unlikely]] {
     calendar_.at(at, *this, kLane, slot * kLanes + l);
     return;
   }
   const auto near = static_cast<std::uint32_t>(at.value % kNear);
-  std::uint32_t& lanes = slots_[slot]->wake_at[near];
+  std::uint32_t& lanes = slots_[slot].wake_at[near];
   if (lanes == 0) {
     calendar_.at(at, *this, kNearLanes, slot * kNear + near);
   }
   lanes |= 1u << l;
 }
 
-Cycles RtEngine::issue(Cycles at, Tester tester, std::uint32_t count) {
+void RtEngine::fail_without(Tester tester) const {
+  throw UserError("the RT unit needs a tester that the machine does not have: set rt.testers." +
+                  std::string(tester_name(tester)) + ".count above 0");
+}
+
+inline Cycles RtEngine::issue(Cycles at, Tester tester, std::uint32_t count) {
   TesterPool& pool = pools_[static_cast<std::size_t>(tester)];
   if (!pool.exists()) [[unlikely]] {
-    throw UserError("the RT unit needs a tester that the machine does not have: set rt.testers." +
-                    std::string(tester_name(tester)) + ".count above 0");
+    fail_without(tester);
   }
   return pool.issue(at, count);
 }
 
-// Works out what concerns nobody else: tests, whose testers are reserved, and stack entries kept on
-// chip, which cost no time. Returns when the lane is through with them.
-Cycles RtEngine::run_ahead(Cycles now, Cycles at, Lane& lane) {
+// Reserves the testers of the tests that follow. Returns when the lane is through with them.
+inline Cycles RtEngine::run_tests(Cycles now, Cycles at, Lane& lane) {
   const Cycles start = at;
   // Reservations may be out of order by so much only; the rest is worked out when time has come.
   const Cycles horizon = now + Cycles{TesterPool::kDisorder};
   const LaneOp* next = lane.op;
-  for (bool more = true; more && at < horizon;) {
-    const LaneOp op = *next;
-    switch (op.code()) {
-      case LaneOp::Code::kTest:
-        at = issue(at, op.tester(), op.count());
-        break;
-      case LaneOp::Code::kTestPair:
-        at = std::max(issue(at, Tester::kBox, op.count()), issue(at, Tester::kQBox, op.second()));
-        break;
-      case LaneOp::Code::kPop:
-        more = op.count() <= lane.stack;
-        lane.stack -= more ? op.count() : 0;
-        counts_.stack_popped += more ? op.count() : 0;
-        break;
-      case LaneOp::Code::kPush:
-        more = config_.rt.stack_entries == 0 || lane.stack + op.count() <= config_.rt.stack_entries;
-        lane.stack += more ? op.count() : 0;
-        counts_.stack_pushed += more ? op.count() : 0;
-        break;
-      case LaneOp::Code::kForgetContext:
-        A2RT_CHECK(lane.context + lane.context_spilled > 0,
-                   "a ray forgets a context it never saved");
-        --(lane.context > 0 ? lane.context : lane.context_spilled);
-        break;
-      default:
-        more = false;
+  for (; next->is_test() && at < horizon; ++next) {
+    if (next->code() == LaneOp::Code::kTest) [[likely]] {
+      at = issue(at, next->tester(), next->count());
+    } else {
+      at = std::max(issue(at, Tester::kBox, next->count()),
+                    issue(at, Tester::kQBox, next->second()));
     }
-    next += more;
   }
   lane.op = next;
-  if (at > start) {
-    book_lane(lane, at, LaneReason::kTest);
-    testing_.mark(start, at);
-  }
+  book_lane(lane, at, LaneReason::kTest);
+  testing_.mark(start, at);
   return at;
 }
 
 void RtEngine::run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t l) {
-  calendar_.progress();
-  Lane& lane = slots_[slot]->lanes[l];
+  Lane& lane = slots_[slot].lanes[l];
   while (true) {
-    if (lane.op->ahead()) {
-      at = run_ahead(now, at, lane);
+    if (lane.op->is_test()) {
+      at = run_tests(now, at, lane);
     }
     if (at > now) {
       appoint(now, at, slot, l);
       return;
     }
-    if (carry_out(now, slot, l, *lane.op++)) {
-      return;
+    const LaneOp op = *lane.op++;
+    switch (op.code()) {
+      case LaneOp::Code::kRead:
+        read(now, slot, l, op);
+        return;
+      case LaneOp::Code::kStore:
+        stores_.push_back({op.line(), op.sectors(), op.kind()});
+        kick_port(now);
+        break;
+      case LaneOp::Code::kAnyHit:
+      case LaneOp::Code::kIntersection:
+        suspend(now, slot, l, op);
+        return;
+      case LaneOp::Code::kEnd:
+        end_ray(now, slot, l);
+        return;
+      default:
+        A2RT_CHECK(false, "a lane was given an operation of no meaning");
     }
   }
 }
 
-bool RtEngine::carry_out(Cycles now, std::uint32_t slot, std::uint32_t l, LaneOp op) {
-  Slot& s = *slots_[slot];
+inline void RtEngine::read(Cycles now, std::uint32_t slot, std::uint32_t l, LaneOp op) {
+  Slot& s = slots_[slot];
   Lane& lane = s.lanes[l];
-  switch (op.code()) {
-    case LaneOp::Code::kRead:
-      begin_read(now, lane);
-      want(now, s, l, op.line(), op.sectors(), op.kind());
-      while (!op.last()) {
-        op = *lane.op++;
-        want(now, s, l, op.line(), op.sectors(), op.kind());
-      }
-      // Many other lanes have their turn until this one reads on.
-      __builtin_prefetch(lane.op + kOpsPerHostLine);
-      await(now, slot, l);
-      return true;
-    case LaneOp::Code::kStore:
-      stores_.push_back({op.line(), op.sectors(), op.kind()});
-      kick_port(now);
-      return false;
-    case LaneOp::Code::kPush:
-      push(now, slot, l, op.count());
-      return false;
-    case LaneOp::Code::kPop:
-      return pop(now, slot, l, op.count());
-    case LaneOp::Code::kPushContext:
-      push_context(now, slot, l);
-      return false;
-    case LaneOp::Code::kPopContext:
-      return pop_context(now, slot, l);
-    case LaneOp::Code::kRefetchContext:
-      A2RT_CHECK(lane.context > 0, "a ray restores a context it never saved");
-      --lane.context;
-      ++counts_.context_refetches;
-      counts_.context_refetch_steps += op.count();
-      return false;
-    case LaneOp::Code::kAnyHit:
-    case LaneOp::Code::kIntersection:
-      suspend(now, slot, l, op);
-      return true;
-    case LaneOp::Code::kEnd:
-      end_ray(now, slot, l);
-      return true;
-    default:
-      break;
-  }
-  A2RT_CHECK(false, "an operation that needs no cycle of its own was given one");
-  return false;
-}
-
-void RtEngine::begin_read(Cycles now, Lane& lane) {
-  lane.missing = 0;
-  lane.ready = now;
   A2RT_CHECK(lane.since == now, "a lane's time is not booked up to its next cycle");
-  lane.state = LaneState::kFetch;
-}
-
-void RtEngine::await(Cycles now, std::uint32_t slot, std::uint32_t l) {
-  Lane& lane = slots_[slot]->lanes[l];
-  if (lane.missing > 0) {
+  std::uint16_t missing = 0;
+  Cycles ready = now;
+  while (true) {
+    missing += s.requests.add(now, l, op.line(), op.sectors(), op.kind(), ready);
+    if (op.last()) {
+      break;
+    }
+    op = *lane.op++;
+  }
+  // Many other lanes have their turn until this one reads on.
+  __builtin_prefetch(lane.op + kOpsPerHostLine);
+  lane.missing = missing;
+  lane.ready = ready;
+  if (missing > 0) {
+    lane.state = LaneState::kFetch;
     kick_port(now);
     return;
   }
   // All of it is on its way to another lane already.
-  book_lane(lane, lane.ready, LaneReason::kFetch);
+  book_lane(lane, ready, LaneReason::kFetch);
   lane.state = LaneState::kRun;
-  appoint(now, lane.ready, slot, l);
-}
-
-void RtEngine::want(Cycles now, Slot& slot, std::uint32_t l, std::uint64_t line, SectorMask sectors,
-                    Traffic kind) {
-  const RequestTable::Added added = slot.requests.add(now, l, line, sectors, kind);
-  Lane& lane = slot.lanes[l];
-  lane.missing += added.lines;
-  lane.ready = std::max(lane.ready, added.ready);
-  counts_.sectors_wanted[static_cast<std::size_t>(kind)] += added.sectors;
-}
-
-void RtEngine::read_spill(Cycles now, std::uint32_t slot, std::uint32_t l, Address address,
-                          std::uint32_t bytes) {
-  Slot& s = *slots_[slot];
-  ++counts_.fetches[static_cast<std::size_t>(Traffic::kStack)];
-  counts_.fetch_bytes[static_cast<std::size_t>(Traffic::kStack)] += bytes;
-  begin_read(now, s.lanes[l]);
-  for_each_line(address, bytes, [&](std::uint64_t line, SectorMask sectors) {
-    want(now, s, l, line, sectors, Traffic::kStack);
-  });
-  await(now, slot, l);
+  appoint(now, ready, slot, l);
 }
 
 void RtEngine::suspend(Cycles now, std::uint32_t slot, std::uint32_t l, LaneOp op) {
-  Slot& s = *slots_[slot];
+  Slot& s = slots_[slot];
   Lane& lane = s.lanes[l];
   lane.ordinal = static_cast<std::uint16_t>(op.count());
   lane.intersection = op.code() == LaneOp::Code::kIntersection;
@@ -308,7 +242,7 @@ void RtEngine::suspend(Cycles now, std::uint32_t slot, std::uint32_t l, LaneOp o
 }
 
 void RtEngine::maybe_judge(Cycles now, std::uint32_t slot) {
-  Slot& s = *slots_[slot];
+  Slot& s = slots_[slot];
   if (s.judging || s.suspended == 0) {
     return;
   }
@@ -334,19 +268,19 @@ void RtEngine::maybe_judge(Cycles now, std::uint32_t slot) {
 
 void RtEngine::candidates_done(Cycles now, std::uint32_t warp) {
   std::uint32_t slot = 0;
-  while (slot < slots_.size() && !(slots_[slot]->used && slots_[slot]->warp == warp)) {
+  while (slot < slots_.size() && !(slots_[slot].used && slots_[slot].warp == warp)) {
     ++slot;
   }
-  A2RT_CHECK(slot < slots_.size() && slots_[slot]->judging,
+  A2RT_CHECK(slot < slots_.size() && slots_[slot].judging,
              "shaders answered for a warp that had not asked");
-  Slot& s = *slots_[slot];
+  Slot& s = slots_[slot];
   for (const CandidateJob& job : s.jobs) {
     calendar_.at(now + config_.rt.callback_latency, *this, kLane, slot * kLanes + job.lane);
   }
 }
 
 void RtEngine::end_ray(Cycles now, std::uint32_t slot, std::uint32_t l) {
-  Slot& s = *slots_[slot];
+  Slot& s = slots_[slot];
   account(now);
   set_state(now, s.lanes[l], LaneState::kDone);
   host_.ray_time(s.lanes[l].ray, now - s.lanes[l].started);
@@ -358,7 +292,7 @@ void RtEngine::end_ray(Cycles now, std::uint32_t slot, std::uint32_t l) {
 }
 
 void RtEngine::end_warp(Cycles now, std::uint32_t slot) {
-  Slot& s = *slots_[slot];
+  Slot& s = slots_[slot];
   A2RT_CHECK(s.requests.live() == 0, "a warp ended with requests under way");
   std::uint32_t inactive = 0;
   for (Lane& lane : s.lanes) {
@@ -380,37 +314,41 @@ void RtEngine::end_warp(Cycles now, std::uint32_t slot) {
 }
 
 void RtEngine::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
+  calendar_.progress();
   switch (what) {
-    case kPort:
-      run_port(now);
-      return;
     case kNearLanes: {
       const std::uint32_t slot = value / kNear;
-      std::uint32_t lanes = std::exchange(slots_[slot]->wake_at[value % kNear], 0);
+      std::uint32_t lanes = std::exchange(slots_[slot].wake_at[value % kNear], 0);
       for (; lanes != 0; lanes &= lanes - 1) {
         run_lane(now, now, slot, static_cast<std::uint32_t>(std::countr_zero(lanes)));
       }
       return;
     }
+    case kPort:
+      run_port(now);
+      return;
     case kLane: {
-      const std::uint32_t index = value / kLanes;
-      Slot& slot = *slots_[index];
-      Lane& lane = slot.lanes[value % kLanes];
-      if (lane.state != LaneState::kAtShader) {
-        run_lane(now, now, index, value % kLanes);
-        return;
-      }
-      slot.judging = --slot.away > 0;
-      account(now);
-      set_state(now, lane, LaneState::kRun);
-      run_lane(now, now, index, value % kLanes);
-      if (slot.used) {
-        maybe_judge(now, index);
+      const std::uint32_t slot = value / kLanes, l = value % kLanes;
+      if (slots_[slot].lanes[l].state == LaneState::kAtShader) {
+        back_from_shader(now, slot, l);
+      } else {
+        run_lane(now, now, slot, l);
       }
       return;
     }
     default:
       A2RT_CHECK(false, "unknown appointment of the RT unit");
+  }
+}
+
+void RtEngine::back_from_shader(Cycles now, std::uint32_t slot, std::uint32_t l) {
+  Slot& s = slots_[slot];
+  s.judging = --s.away > 0;
+  account(now);
+  set_state(now, s.lanes[l], LaneState::kRun);
+  run_lane(now, now, slot, l);
+  if (s.used) {
+    maybe_judge(now, slot);
   }
 }
 
@@ -441,11 +379,7 @@ void RtEngine::finish(Cycles end) {
   account(end);
   attribution_.check(end);
   counts_.port_cycles = port_.cycles_used();
-  counts_.events = op_counts_.events;
-  for (std::size_t k = 0; k < kTrafficKinds; ++k) {
-    counts_.fetches[k] += op_counts_.fetches[k];
-    counts_.fetch_bytes[k] += op_counts_.fetch_bytes[k];
-  }
+  static_cast<LaneOpCounts&>(counts_) = compiler_.counts();
   std::uint64_t lanes = 0;
   for (const std::uint64_t c : counts_.lane_cycles) {
     lanes += c;
@@ -462,14 +396,14 @@ std::string RtEngine::dump() const {
                       : port_booked_ ? "booked"
                                      : "idle") +
                      "\n";
-  for (const auto& slot : slots_) {
-    if (!slot->used) {
+  for (const Slot& slot : slots_) {
+    if (!slot.used) {
       continue;
     }
-    text += "  warp " + std::to_string(slot->warp) + " since cycle " +
-            std::to_string(slot->arrived.value) + ":";
+    text += "  warp " + std::to_string(slot.warp) + " since cycle " +
+            std::to_string(slot.arrived.value) + ":";
     std::array<std::uint32_t, 6> states{};
-    for (const Lane& lane : slot->lanes) {
+    for (const Lane& lane : slot.lanes) {
       ++states[static_cast<std::size_t>(lane.state)];
     }
     for (std::size_t i = 0; i < states.size(); ++i) {
@@ -477,7 +411,7 @@ std::string RtEngine::dump() const {
         text += " " + std::to_string(states[i]) + " " + kStates[i];
       }
     }
-    text += ", " + std::to_string(slot->requests.live()) + " lines under way\n";
+    text += ", " + std::to_string(slot.requests.live()) + " lines under way\n";
   }
   return text;
 }

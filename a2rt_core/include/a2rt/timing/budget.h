@@ -73,12 +73,17 @@ class Banks {
   }
   // Time has come to `now`; it only moves forward.
   void advance(Cycles now) {
-    if (now > base_) {
-      const std::uint64_t by = now.value - base_.value;
+    if (now == base_) {
+      return;
+    }
+    const std::uint64_t by = now.value - base_.value;
+    base_ = now;
+    if (by < 64) {
       for (std::uint64_t& taken : taken_) {
-        taken = by < 64 ? taken >> by : 0;
+        taken >>= by;
       }
-      base_ = now;
+    } else {
+      std::fill(taken_.begin(), taken_.end(), 0);
     }
   }
   // Banks are a power of two on every machine we know; others pay for a division.

@@ -89,7 +89,8 @@ class L1Cache final : public LineSink {
     return at;
   }
   void enter_all(Cycles now, Port& port, Address line, Lookup& lookup);
-  void enter_simple(Cycles now, Port& port, std::uint64_t base, Lookup& lookup);
+  void miss(Cycles now, Port& port, Address line, SectorMask missing, Traffic kind,
+            L1Client& client, std::uint32_t token, Lookup& result);
   std::uint32_t find(std::uint64_t line) const;
   std::uint32_t obtain(std::uint64_t line, Traffic kind);
   // Takes `sectors` as misses as far as there is room; returns those taken.

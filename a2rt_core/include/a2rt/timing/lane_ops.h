@@ -1,6 +1,10 @@
 // A ray's events as the RT unit replays them: eight bytes an operation, addresses already cut into
 // sectors of lines. Rays are compiled when their warp enters the unit, in one pass over events that
 // are still in the host's caches.
+//
+// Short stack and contexts do not depend on time: how full they are, and so which entries go to
+// memory and come back, follows from a ray's own pushes and pops. What is kept on chip therefore
+// leaves no operation behind; what is not becomes stores and reads.
 #pragma once
 
 #include <array>
@@ -21,14 +25,8 @@ class LaneOp {
   enum class Code : std::uint8_t {
     kTest,      // `count` tests on a tester
     kTestPair,  // `count` box and `second` quantized box tests, which do not depend on each other
-    kPush,
-    kPop,
-    kForgetContext,
-    kRead,  // one line of a read; the lane waits after the last one
+    kRead,      // one line of a read; the lane waits after the last one
     kStore,
-    kPushContext,
-    kPopContext,      // from the context stack
-    kRefetchContext,  // reads its record again: its lines and tests follow
     kAnyHit,
     kIntersection,
     kEnd
@@ -51,10 +49,14 @@ class LaneOp {
   }
   // The last line of its read.
   LaneOp as_last() const { return LaneOp(code(), bits_ | kLast); }
+  // With more sectors of the same line.
+  LaneOp with(SectorMask sectors) const {
+    return LaneOp(code(), bits_ | static_cast<std::uint64_t>(sectors) << 8);
+  }
 
   Code code() const { return static_cast<Code>(bits_ & 0xff); }
-  // Tests, quantized tests and stack entries are worked out ahead of time; the rest has its cycle.
-  bool ahead() const { return code() <= Code::kForgetContext; }
+  // Tests are worked out ahead of time; the rest has its cycle.
+  bool is_test() const { return code() <= Code::kTestPair; }
   std::uint32_t count() const { return bits_ >> 16 & 0xffff; }
   std::uint32_t second() const { return bits_ >> 32 & 0xffff; }
   Tester tester() const { return static_cast<Tester>(bits_ >> 8 & 0xff); }
@@ -98,14 +100,35 @@ class LaneOps {
   std::size_t size_ = 0, capacity_ = 0;
 };
 
-// What compiling counted; it does not depend on when the operations are carried out.
+// What compiling counts; it does not depend on when the operations are carried out.
 struct LaneOpCounts {
   std::array<std::uint64_t, static_cast<std::size_t>(EventKind::kCount)> events{};
   TrafficCounts fetches{}, fetch_bytes{};
+  TrafficCounts sectors_wanted{};                     // a lane's, before merging with others'
+  std::uint64_t stack_spills = 0, stack_fills = 0;    // sectors
+  std::uint64_t stack_pushed = 0, stack_popped = 0;   // entries through the on-chip stack
+  std::uint64_t stack_spilled = 0, stack_filled = 0;  // entries
+  std::uint64_t context_saves = 0, context_restores = 0;
+  std::uint64_t context_spills = 0, context_fills = 0;  // contexts
+  std::uint64_t context_refetches = 0, context_refetch_steps = 0;
 };
 
-// Appends the operations of one ray, kEnd last. Records that touch are one read of the unit.
-void compile_lane(const std::vector<Event>& events, ContextPolicy context, LaneOpCounts& counts,
-                  LaneOps& out);
+// Bytes of thread-private memory for what a lane spills.
+inline constexpr std::uint64_t kSpillBytesPerLane = 4096;
+
+class LaneCompiler {
+ public:
+  explicit LaneCompiler(const RtConfig& config) : config_(config) {}
+
+  // Appends the operations of one ray, kEnd last. Records that touch are one read of the unit.
+  // `spill`: where the lane's spill memory begins.
+  void compile(const std::vector<Event>& events, Address spill, LaneOps& out);
+
+  const LaneOpCounts& counts() const { return counts_; }
+
+ private:
+  RtConfig config_;
+  LaneOpCounts counts_;
+};
 
 }  // namespace a2rt::timing

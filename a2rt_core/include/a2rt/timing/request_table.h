@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "a2rt/base/error.h"
 #include "a2rt/base/units.h"
 #include "a2rt/rt/event.h"
 #include "a2rt/timing/memory_port.h"
@@ -24,13 +25,38 @@ class RequestTable {
   // Forgets the data on its way; nothing may wait to be sent or be under way.
   void clear();
 
-  struct Added {
-    std::uint32_t sectors = 0;  // asked for; those the lane already waits for do not count
-    std::uint32_t lines = 0;    // that the lane has to wait for and did not before
-    Cycles ready;               // when the sectors of known arrival are all there
-  };
-  // Lane `lane` wants these sectors of a line at `now`.
-  Added add(Cycles now, std::uint32_t lane, std::uint64_t line, SectorMask wanted, Traffic kind);
+  // Lane `lane` wants these sectors of a line at `now`, of which it has not asked for any since it
+  // last waited. Returns true if it has to wait for the line; of the sectors of known arrival the
+  // last moves `ready`.
+  bool add(Cycles now, std::uint32_t lane, std::uint64_t line, SectorMask wanted, Traffic kind,
+           Cycles& ready) {
+    const std::uint16_t index = obtain(now, line, kind);
+    Entry& entry = entries_[index];
+    SectorMask waits = wanted;
+    if (entry.arriving != 0) {
+      if (entry.known <= now) {
+        entry.arriving = 0;
+      } else if ((wanted & entry.arriving) != 0) {
+        ready = std::max(ready, entry.known);
+        waits = static_cast<SectorMask>(wanted & ~entry.arriving);
+        if (waits == 0) {
+          return false;
+        }
+      }
+    }
+    for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
+      entry.lanes[s] |= (waits >> s & 1u) << lane;
+    }
+    const auto fresh = static_cast<SectorMask>(waits & ~(entry.in_flight | entry.to_send));
+    if (fresh != 0) {
+      live_ += !entry.busy();
+      if (entry.to_send == 0) {
+        queue(index);
+      }
+      entry.to_send = static_cast<SectorMask>(entry.to_send | fresh);
+    }
+    return true;
+  }
 
   bool nothing_to_send() const { return first_ == kNil; }
   struct Next {
@@ -39,24 +65,48 @@ class RequestTable {
     Traffic kind;
     std::uint32_t token;  // to be given back to arrived()
   };
-  Next next() const;
+  Next next() const {
+    const Entry& entry = entries_[first_];
+    return {Address{entry.line * kLineBytes}, entry.to_send, entry.kind, first_};
+  }
   // Of the request shown by next(), `accepted` were taken by L1.
-  void sent(SectorMask accepted);
+  void sent(SectorMask accepted) {
+    Entry& entry = entries_[first_];
+    entry.to_send = static_cast<SectorMask>(entry.to_send & ~accepted);
+    entry.in_flight = static_cast<SectorMask>(entry.in_flight | accepted);
+    if (entry.to_send == 0) {
+      first_ = entry.queue_next;
+    }
+  }
 
   // The times of some sectors of a sent request became known. Calls f(lane, ready, complete) for
   // each lane that wanted any: the cycle of its last one, and whether the lane waits for no more of
   // the line. `f` may add requests.
   template <class F>
   void arrived(std::uint32_t token, SectorMask sectors, const SectorTimes& ready, const F& f) {
+    Entry& entry = entries_[token];
+    A2RT_CHECK((entry.in_flight & sectors) == sectors,
+               "data came for a sector that was not under way");
+    Cycles known = entry.arriving == 0 ? Cycles{0} : entry.known;
     std::array<std::uint32_t, kSectorsPerLine> lanes{};
-    const std::uint32_t waiting = take(token, sectors, ready, lanes);
+    for_each_sector(sectors, [&](std::uint32_t s) {
+      lanes[s] = entry.lanes[s];
+      entry.lanes[s] = 0;
+      known = std::max(known, ready[s]);
+    });
+    entry.known = known;
+    entry.in_flight = static_cast<SectorMask>(entry.in_flight & ~sectors);
+    entry.arriving = static_cast<SectorMask>(entry.arriving | sectors);
+    live_ -= !entry.busy();
+    const std::uint32_t waiting =
+        entry.lanes[0] | entry.lanes[1] | entry.lanes[2] | entry.lanes[3];
     // Sectors come in ascending order, so a lane's last one is the highest it wanted.
     std::uint32_t told = 0;
     for (std::uint32_t s = kSectorsPerLine; s-- > 0;) {
-      const std::uint32_t tell = lanes[s] & ~told;
-      told |= lanes[s];
-      for (std::uint32_t rest = tell; rest != 0; rest &= rest - 1) {
-        const auto lane = static_cast<std::uint32_t>(std::countr_zero(rest));
+      std::uint32_t tell = lanes[s] & ~told;
+      told |= tell;
+      for (; tell != 0; tell &= tell - 1) {
+        const auto lane = static_cast<std::uint32_t>(std::countr_zero(tell));
         f(lane, ready[s], (waiting >> lane & 1) == 0);
       }
     }
@@ -78,11 +128,20 @@ class RequestTable {
     bool busy() const { return (to_send | in_flight) != 0; }
   };
   std::size_t bucket(std::uint64_t line) const { return (line * 0x9e3779b97f4a7c15u) >> 57; }
-  // Settles the entry; returns the lanes that still wait for others of its sectors.
-  std::uint32_t take(std::uint32_t token, SectorMask sectors, const SectorTimes& ready,
-                     std::array<std::uint32_t, kSectorsPerLine>& lanes);
-  std::uint16_t obtain(Cycles now, std::uint64_t line, Traffic kind);
-  void queue(std::uint16_t index);
+  // Finds the line's entry or makes one.
+  std::uint16_t obtain(Cycles now, std::uint64_t line, Traffic kind) {
+    const std::uint16_t first = buckets_[bucket(line)];
+    if (first != kNil && entries_[first].line == line) {
+      return first;
+    }
+    return obtain_further(now, line, kind);
+  }
+  std::uint16_t obtain_further(Cycles now, std::uint64_t line, Traffic kind);
+  void queue(std::uint16_t index) {
+    entries_[index].queue_next = kNil;
+    (first_ == kNil ? first_ : entries_[last_].queue_next) = index;
+    last_ = index;
+  }
 
   std::vector<Entry> entries_;
   std::array<std::uint16_t, kBuckets> buckets_;

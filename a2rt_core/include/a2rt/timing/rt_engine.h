@@ -13,7 +13,6 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -54,17 +53,10 @@ class RtHost {
   virtual void ray_time(std::uint32_t ray, Cycles cycles) = 0;
 };
 
-struct RtCounts {
-  std::array<std::uint64_t, static_cast<std::size_t>(EventKind::kCount)> events{};
-  TrafficCounts fetches{}, fetch_bytes{}, sectors_wanted{};  // before merging
+// What the rays wanted, and what came of it in time.
+struct RtCounts : LaneOpCounts {
   std::uint64_t rays = 0, warps = 0;
   std::uint64_t sectors_sent = 0, stores_sent = 0, port_cycles = 0;
-  std::uint64_t stack_spills = 0, stack_fills = 0;    // sectors
-  std::uint64_t stack_pushed = 0, stack_popped = 0;   // entries through the on-chip stack
-  std::uint64_t stack_spilled = 0, stack_filled = 0;  // entries
-  std::uint64_t context_saves = 0, context_restores = 0;
-  std::uint64_t context_spills = 0, context_fills = 0;  // contexts
-  std::uint64_t context_refetches = 0, context_refetch_steps = 0;
   std::uint64_t round_trips = 0, candidates = 0;
   std::array<std::uint64_t, static_cast<std::size_t>(LaneReason::kCount)> lane_cycles{};
   std::uint64_t warp_cycles = 0;  // residence, summed over warps
@@ -104,9 +96,7 @@ class RtEngine final : public Component, public L1Client {
     const LaneOp* op = nullptr;  // next
     Cycles since, started, ready;
     std::uint32_t ray = kNone;
-    std::uint32_t missing = 0;  // lines
-    std::uint32_t stack = 0, stack_spilled = 0;
-    std::uint16_t context = 0, context_spilled = 0;
+    std::uint16_t missing = 0;  // lines
     std::uint16_t ordinal = 0;
     LaneState state = LaneState::kNone;
     bool intersection = false;
@@ -119,36 +109,27 @@ class RtEngine final : public Component, public L1Client {
     std::uint32_t suspended = 0;  // lanes with a candidate, not yet sent
     std::uint32_t away = 0;       // lanes whose candidate is on the SM
     Cycles arrived;
-    std::array<Lane, kLanes> lanes;
-    LaneOps ops;  // of all lanes, one after another
     RequestTable requests;
-    std::vector<CandidateJob> jobs;
     // Lanes that go on in the same near cycle share an appointment: bit per lane, by cycle.
     std::array<std::uint32_t, kNear> wake_at{};
+    std::array<Lane, kLanes> lanes;
+    LaneOps ops;  // of all lanes, one after another
+    std::vector<CandidateJob> jobs;
   };
   // Fetches and compiles the rays of a new warp.
-  void compile(Cycles now, Slot& slot, const LaneRays& rays);
+  void compile(Cycles now, std::uint32_t slot, const LaneRays& rays);
   // The lane goes on in cycle `at`, which may be later than `now`.
   void run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
-  Cycles run_ahead(Cycles now, Cycles at, Lane& lane);
+  Cycles run_tests(Cycles now, Cycles at, Lane& lane);
   Cycles issue(Cycles at, Tester tester, std::uint32_t count);
+  [[noreturn]] void fail_without(Tester tester) const;
   void appoint(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
-  // Each returns true if the lane has to wait before its next event.
-  bool carry_out(Cycles now, std::uint32_t slot, std::uint32_t lane, LaneOp op);
-  // Its lines were asked for: the lane waits for those of unknown arrival, or goes on when the
-  // others are there.
-  void await(Cycles now, std::uint32_t slot, std::uint32_t lane);
-  void begin_read(Cycles now, Lane& lane);
-  void want(Cycles now, Slot& slot, std::uint32_t lane, std::uint64_t line, SectorMask sectors,
-            Traffic kind);
-  void read_spill(Cycles now, std::uint32_t slot, std::uint32_t lane, Address address,
-                  std::uint32_t bytes);
-  void push(Cycles now, std::uint32_t slot, std::uint32_t lane, std::uint32_t count);
-  bool pop(Cycles now, std::uint32_t slot, std::uint32_t lane, std::uint32_t count);
-  void push_context(Cycles now, std::uint32_t slot, std::uint32_t lane);
-  bool pop_context(Cycles now, std::uint32_t slot, std::uint32_t lane);
+  // Asks for the lines of a read, of which `op` is the first. The lane waits for those of unknown
+  // arrival, or goes on when the others are there.
+  void read(Cycles now, std::uint32_t slot, std::uint32_t lane, LaneOp op);
   void suspend(Cycles now, std::uint32_t slot, std::uint32_t lane, LaneOp op);
   void maybe_judge(Cycles now, std::uint32_t slot);
+  void back_from_shader(Cycles now, std::uint32_t slot, std::uint32_t lane);
   void end_ray(Cycles now, std::uint32_t slot, std::uint32_t lane);
   void end_warp(Cycles now, std::uint32_t slot);
   void set_state(Cycles now, Lane& lane, LaneState state);
@@ -158,9 +139,7 @@ class RtEngine final : public Component, public L1Client {
   void kick_port(Cycles now);
   void run_port(Cycles now);
   std::uint32_t oldest_with_requests() const;
-  Address stack_address(std::uint32_t slot, std::uint32_t lane, std::uint32_t entry,
-                        std::uint32_t bytes, std::uint64_t area) const;
-  void store(Cycles now, Address address, std::uint32_t bytes, Traffic kind);
+  Address spill_memory(std::uint32_t slot, std::uint32_t lane) const;
   void send_store(Cycles now);
   void send_request(Cycles now, std::uint32_t slot);
   RtReason reason() const;
@@ -173,7 +152,7 @@ class RtEngine final : public Component, public L1Client {
   RaySource& source_;
   RtHost& host_;
   std::array<TesterPool, kTesters> pools_;
-  std::vector<std::unique_ptr<Slot>> slots_;
+  std::vector<Slot> slots_;
   std::vector<std::uint32_t> by_age_;  // resident slots, oldest first
   std::uint32_t resident_ = 0;
   struct Store {
@@ -187,7 +166,7 @@ class RtEngine final : public Component, public L1Client {
   bool port_booked_ = false, port_blocked_ = false;
   std::uint32_t in_unit_ = 0, in_shader_ = 0;  // lanes
   std::vector<Event> events_;                  // of the ray being compiled
-  LaneOpCounts op_counts_;
+  LaneCompiler compiler_;
   RtCounts counts_;
   Attribution<RtReason> attribution_;
   BusyCycles testing_;

@@ -44,7 +44,14 @@ class TesterPool {
   Cycles issue(Cycles at, std::uint32_t tests) {
     const std::uint64_t own = clock_.from_core(at).value;
     tests_ += tests;
-    forget_before(own);
+    if (own >= first_ + kDisorder + 64) [[unlikely]] {
+      forget_before(own);
+    }
+    // Mostly all can start at once, and no tester is busy for more than its first cycle.
+    if (interval_ == 1 && own - first_ <= ring_mask_ && busy_in(own) + tests <= count_) [[likely]] {
+      occupy(own, tests);
+      return clock_.to_core(Cycles{own} + latency_);
+    }
     const std::uint64_t start = reserve(own, tests);
     queued_cycles_ += start - own;
     return clock_.to_core(Cycles{start} + latency_);
@@ -63,9 +70,6 @@ class TesterPool {
   std::uint64_t& full_word(std::uint64_t cycle) { return full_[(cycle & ring_mask_) / 64]; }
   // Nobody asks for the past any more: its places in the ring become free, 64 cycles at a time.
   void forget_before(std::uint64_t own) {
-    if (own < first_ + kDisorder + 64) [[likely]] {
-      return;
-    }
     const std::uint64_t keep = (own - kDisorder) / 64 * 64;
     const std::uint64_t until = std::min(keep, first_ + ring_mask_ + 1);
     for (; first_ < until; first_ += 64) {
@@ -118,6 +122,9 @@ class TesterPool {
   }
   // Gives the tests the first cycles with room; returns the cycle of the last.
   std::uint64_t reserve(std::uint64_t own, std::uint32_t tests) {
+    if (interval_ == 1) {
+      return reserve_single(own, tests);
+    }
     std::uint64_t cycle = own, start = own;
     for (std::uint32_t left = tests; left > 0; ++cycle) {
       cycle = first_not_full(cycle);
@@ -133,6 +140,20 @@ class TesterPool {
     }
     return start;
   }
+  // reserve() of testers that are busy for one cycle.
+  std::uint64_t reserve_single(std::uint64_t own, std::uint32_t tests) {
+    std::uint64_t cycle = own;
+    for (;; ++cycle) {
+      cycle = first_not_full(cycle);
+      const std::uint32_t room = count_ - busy_in(cycle);
+      occupy(cycle, std::min(tests, room));
+      if (tests <= room) {
+        return cycle;
+      }
+      tests -= room;
+    }
+  }
+
   std::uint32_t count_ = 0;
   Cycles latency_{1};
   std::uint64_t interval_ = 1;
