@@ -26,6 +26,19 @@ const char* reason_name(LaneReason reason) {
   return kNames[static_cast<std::size_t>(reason)];
 }
 
+void BusyCycles::mark_any(std::uint64_t from, std::uint64_t to) {
+  if (to > from && to > taken_.value + kWindow) {
+    long_from_ = long_until_ > Cycles{from} ? std::min(long_from_, Cycles{from}) : Cycles{from};
+    long_until_ = std::max(long_until_, Cycles{to});
+    return;
+  }
+  for (std::uint64_t at = from; at < to;) {
+    const std::uint64_t n = std::min<std::uint64_t>(64, to - at);
+    mark(Cycles{at}, Cycles{at + n});
+    at += n;
+  }
+}
+
 std::uint64_t BusyCycles::take(Cycles to) {
   std::uint64_t marked = 0;
   std::uint64_t at = taken_.value;

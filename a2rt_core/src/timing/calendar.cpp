@@ -12,7 +12,13 @@ constexpr auto kLater = [](const auto& a, const auto& b) {
 
 }  // namespace
 
+void Calendar::add_node() {
+  free_ = static_cast<std::uint32_t>(nodes_.size());
+  nodes_.push_back({});
+}
+
 void Calendar::push_far(Cycles when, Appointment appointment) {
+  A2RT_CHECK(when >= now_, "an appointment was made in the past");
   far_.push_back({when, far_order_++, appointment});
   std::push_heap(far_.begin(), far_.end(), kLater);
 }
@@ -60,17 +66,17 @@ void Calendar::serve(Cycles at) {
   }
   const std::size_t index = now_.value % kWheel;
   // Appointments made for this very cycle while it runs are appended and kept too.
-  std::uint32_t node = buckets_[index].first;
-  while (node != kNil) {
+  std::uint64_t kept = 0;
+  for (std::uint32_t node = buckets_[index].first; node != kNil; ++kept) {
     const Appointment appointment = nodes_[node].appointment;
-    appointment.who->wake(now_, appointment.what, appointment.value);
-    ++served_;
-    --pending_;
-    const std::uint32_t kept = node;
-    node = nodes_[node].next;
-    nodes_[kept].next = free_;
-    free_ = kept;
+    appointment.who->wake(at, appointment.what, appointment.value);
+    const std::uint32_t next = nodes_[node].next;
+    nodes_[node].next = free_;
+    free_ = node;
+    node = next;
   }
+  served_ += kept;
+  pending_ -= kept;
   buckets_[index] = {};
   occupied_[index / 64] &= ~(std::uint64_t{1} << (index % 64));
 }

@@ -113,21 +113,18 @@ inline void L1Cache::enter_all(Cycles now, Port& port, Address line, Lookup& loo
     return;
   }
   // One sector a cycle.
-  const Cycles answered = banks_.base() + config_.latency;
-  std::uint64_t ahead = port.next(now).value - banks_.base().value;
-  for (std::uint32_t rest = lookup.accepted; rest != 0; rest &= rest - 1, ++ahead) {
+  const Cycles first = banks_.base();
+  const Cycles answered = first + config_.latency;
+  std::uint64_t ahead = port.next(now).value - first.value, waited = 0;
+  for (std::uint32_t rest = lookup.accepted; rest != 0; rest &= rest - 1) {
     const auto s = static_cast<std::uint32_t>(std::countr_zero(rest));
-    std::uint64_t& taken = banks_.bits(banks_.of(base + s));
-    // Cycles beyond what the bank holds read as taken.
-    const std::uint64_t open = ahead < 64 ? ~taken >> ahead : 0;
-    A2RT_CHECK(open != 0, "a bank was asked about a cycle it does not hold");
-    const auto wait = static_cast<std::uint64_t>(std::countr_zero(open));
-    counts_.bank_conflicts += wait;
+    const std::uint64_t wait = banks_.take_from(base + s, ahead);
+    waited += wait;
     ahead += wait;
-    taken |= std::uint64_t{1} << ahead;
-    lookup.ready[s] = answered + Cycles{ahead};
+    lookup.ready[s] = answered + Cycles{ahead++};
   }
-  port.use_until(banks_.base() + Cycles{ahead - 1}, sectors_in(lookup.accepted));
+  counts_.bank_conflicts += waited;
+  port.use_until(first + Cycles{ahead - 1}, sectors_in(lookup.accepted));
 }
 
 L1Cache::Lookup L1Cache::read(Cycles now, Port& port, Address line, SectorMask sectors,

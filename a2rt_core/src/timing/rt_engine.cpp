@@ -91,7 +91,7 @@ void RtEngine::compile(Cycles now, std::uint32_t index, const LaneRays& rays) {
   }
 }
 
-inline void RtEngine::book_lane(Lane& lane, Cycles until, LaneReason reason) {
+A2RT_INLINE void RtEngine::book_lane(Lane& lane, Cycles until, LaneReason reason) {
   counts_.lane_cycles[static_cast<std::size_t>(reason)] += until.value - lane.since.value;
   lane.since = until;
 }
@@ -124,7 +124,15 @@ void RtEngine::set_state(Cycles now, Lane& lane, LaneState state) {
   in_shader_ += state == LaneState::kCandidate || state == LaneState::kAtShader;
 }
 
-inline void RtEngine::appoint(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t l) {
+A2RT_INLINE void RtEngine::kick_port(Cycles now) {
+  if (port_booked_ || port_blocked_) {
+    return;
+  }
+  port_booked_ = true;
+  calendar_.at(port_.next(now), *this, kPort);
+}
+
+A2RT_INLINE void RtEngine::appoint(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t l) {
   if (at.value - now.value >= kNear) [[unlikely]] {
     calendar_.at(at, *this, kLane, slot * kLanes + l);
     return;
@@ -142,7 +150,7 @@ void RtEngine::fail_without(Tester tester) const {
                   std::string(tester_name(tester)) + ".count above 0");
 }
 
-inline Cycles RtEngine::issue(Cycles at, Tester tester, std::uint32_t count) {
+A2RT_INLINE Cycles RtEngine::issue(Cycles at, Tester tester, std::uint32_t count) {
   TesterPool& pool = pools_[static_cast<std::size_t>(tester)];
   if (!pool.exists()) [[unlikely]] {
     fail_without(tester);
@@ -151,7 +159,7 @@ inline Cycles RtEngine::issue(Cycles at, Tester tester, std::uint32_t count) {
 }
 
 // Reserves the testers of the tests that follow. Returns when the lane is through with them.
-inline Cycles RtEngine::run_tests(Cycles now, Cycles at, Lane& lane) {
+A2RT_INLINE Cycles RtEngine::run_tests(Cycles now, Cycles at, Lane& lane) {
   const Cycles start = at;
   // Reservations may be out of order by so much only; the rest is worked out when time has come.
   const Cycles horizon = now + Cycles{TesterPool::kDisorder};
@@ -202,7 +210,7 @@ void RtEngine::run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t
   }
 }
 
-inline void RtEngine::read(Cycles now, std::uint32_t slot, std::uint32_t l, LaneOp op) {
+A2RT_INLINE void RtEngine::read(Cycles now, std::uint32_t slot, std::uint32_t l, LaneOp op) {
   Slot& s = slots_[slot];
   Lane& lane = s.lanes[l];
   A2RT_CHECK(lane.since == now, "a lane's time is not booked up to its next cycle");
@@ -320,7 +328,13 @@ void RtEngine::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
       const std::uint32_t slot = value / kNear;
       std::uint32_t lanes = std::exchange(slots_[slot].wake_at[value % kNear], 0);
       for (; lanes != 0; lanes &= lanes - 1) {
-        run_lane(now, now, slot, static_cast<std::uint32_t>(std::countr_zero(lanes)));
+        const auto l = static_cast<std::uint32_t>(std::countr_zero(lanes));
+        Lane& lane = slots_[slot].lanes[l];
+        if (lane.op->code() == LaneOp::Code::kRead) [[likely]] {
+          read(now, slot, l, *lane.op++);
+        } else {
+          run_lane(now, now, slot, l);
+        }
       }
       return;
     }

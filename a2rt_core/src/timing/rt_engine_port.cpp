@@ -13,14 +13,6 @@ constexpr Cycles kBurst{8};
 
 }  // namespace
 
-void RtEngine::kick_port(Cycles now) {
-  if (port_booked_ || port_blocked_) {
-    return;
-  }
-  port_booked_ = true;
-  calendar_.at(port_.next(now), *this, kPort);
-}
-
 std::uint32_t RtEngine::oldest_with_requests() const {
   for (const std::uint32_t slot : by_age_) {
     if (!slots_[slot].requests.nothing_to_send()) {
@@ -109,7 +101,12 @@ void RtEngine::settle(Cycles now, std::uint32_t slot, std::uint32_t token, Secto
     if (complete && --lane.missing == 0) {
       book_lane(lane, lane.ready, LaneReason::kFetch);
       lane.state = LaneState::kRun;
-      run_lane(now, lane.ready, slot, l);
+      const Cycles next = lane.op->is_test() ? run_tests(now, lane.ready, lane) : lane.ready;
+      if (next > now) [[likely]] {
+        appoint(now, next, slot, l);
+      } else {
+        run_lane(now, next, slot, l);
+      }
     }
   });
 }

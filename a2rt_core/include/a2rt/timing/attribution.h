@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "a2rt/base/error.h"
+#include "a2rt/base/inline.h"
 #include "a2rt/base/units.h"
 
 namespace a2rt::timing {
@@ -54,18 +55,16 @@ class Attribution {
 class BusyCycles {
  public:
   // Adds the cycles [from, to). What take() has already passed is ignored.
-  void mark(Cycles from, Cycles to) {
-    std::uint64_t at = std::max(from, taken_).value;
-    if (to.value > taken_.value + kWindow) [[unlikely]] {
-      long_from_ = long_until_ > Cycles{at} ? std::min(long_from_, Cycles{at}) : Cycles{at};
-      long_until_ = std::max(long_until_, to);
+  A2RT_INLINE void mark(Cycles from, Cycles to) {
+    const std::uint64_t at = std::max(from, taken_).value, n = to.value - at;
+    if (n - 1 >= 64 || to.value > taken_.value + kWindow) [[unlikely]] {
+      mark_any(at, to.value);
       return;
     }
-    while (at < to.value) {
-      const std::uint64_t bit = at % 64, n = std::min(64 - bit, to.value - at);
-      words_[at / 64 % words_.size()] |= (n == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << n) - 1)
-                                         << bit;
-      at += n;
+    const std::uint64_t marks = ~std::uint64_t{0} >> (64 - n), bit = at % 64;
+    words_[at / 64 % words_.size()] |= marks << bit;
+    if (bit + n > 64) {
+      words_[(at / 64 + 1) % words_.size()] |= marks >> (64 - bit);
     }
   }
   // Cycles marked in [end of the last call, to).
@@ -73,6 +72,8 @@ class BusyCycles {
 
  private:
   static constexpr std::uint64_t kWindow = 4096 - 64;
+  // No cycles, or more than a word holds.
+  void mark_any(std::uint64_t from, std::uint64_t to);
   std::array<std::uint64_t, 64> words_{};
   Cycles taken_;
   Cycles long_from_, long_until_;  // hull of the intervals that outlast the window

@@ -90,9 +90,17 @@ class Banks {
   std::size_t of(std::uint64_t sector) const {
     return mask_ != kNoMask ? sector & mask_ : sector % taken_.size();
   }
-  // Cycle `base() + i` of a bank is bit i of it.
   Cycles base() const { return base_; }
-  std::uint64_t& bits(std::size_t bank) { return taken_[bank]; }
+  // Reserves the first free cycle of the sector's bank from base() + `ahead` on; returns how much
+  // later than that it is. Throws InternalError if it is too far away.
+  std::uint64_t take_from(std::uint64_t sector, std::uint64_t ahead) {
+    std::uint64_t& taken = taken_[of(sector)];
+    const std::uint64_t open = ahead < 64 ? ~taken >> ahead : 0;
+    A2RT_CHECK(open != 0, "a bank was asked about a cycle it does not hold");
+    const auto wait = static_cast<std::uint64_t>(std::countr_zero(open));
+    taken |= std::uint64_t{1} << (ahead + wait);
+    return wait;
+  }
   // Reserves the cycle; false if it is taken. Throws InternalError if it is too far away.
   bool take(std::size_t bank, Cycles at) {
     const std::uint64_t ahead = at.value - base_.value;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "a2rt/base/error.h"
+#include "a2rt/base/inline.h"
 #include "a2rt/base/units.h"
 
 namespace a2rt::timing {
@@ -35,10 +36,9 @@ class Calendar {
   std::uint64_t served() const { return served_; }
 
   // Throws InternalError if `when` has passed.
-  void at(Cycles when, Component& who, std::uint32_t what, std::uint32_t value = 0) {
-    A2RT_CHECK(when >= now_, "an appointment was made in the past");
+  A2RT_INLINE void at(Cycles when, Component& who, std::uint32_t what, std::uint32_t value = 0) {
     ++pending_;
-    if (when.value - now_.value < kWheel) [[likely]] {
+    if (when.value - now_.value < kWheel) [[likely]] {  // neither far away nor in the past
       place(when.value % kWheel, {&who, what, value});
     } else {
       push_far(when, {&who, what, value});
@@ -104,14 +104,12 @@ class Calendar {
     std::uint32_t first = kNil, last = kNil;
   };
   // Kept nodes are used again first, so that the pool's live part stays in the host's caches.
-  void place(std::size_t index, const Appointment& appointment) {
-    std::uint32_t node = free_;
-    if (node == kNil) [[unlikely]] {
-      node = static_cast<std::uint32_t>(nodes_.size());
-      nodes_.push_back({});
-    } else {
-      free_ = nodes_[node].next;
+  A2RT_INLINE void place(std::size_t index, const Appointment& appointment) {
+    if (free_ == kNil) [[unlikely]] {
+      add_node();
     }
+    const std::uint32_t node = free_;
+    free_ = nodes_[node].next;
     nodes_[node] = {appointment, kNil};
     Bucket& bucket = buckets_[index];
     if (bucket.first == kNil) {
@@ -122,6 +120,7 @@ class Calendar {
     }
     bucket.last = node;
   }
+  void add_node();
   void serve(Cycles at);
   void push_far(Cycles when, Appointment appointment);
   void pull_far();

@@ -10,6 +10,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "a2rt/base/error.h"
@@ -90,8 +91,7 @@ class RequestTable {
     Cycles known = entry.arriving == 0 ? Cycles{0} : entry.known;
     std::array<std::uint32_t, kSectorsPerLine> lanes{};
     for_each_sector(sectors, [&](std::uint32_t s) {
-      lanes[s] = entry.lanes[s];
-      entry.lanes[s] = 0;
+      lanes[s] = std::exchange(entry.lanes[s], 0);
       known = std::max(known, ready[s]);
     });
     entry.known = known;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "a2rt/base/error.h"
+#include "a2rt/base/inline.h"
 #include "a2rt/timing/clock.h"
 #include "a2rt/timing/machine_config.h"
 
@@ -41,7 +42,7 @@ class TesterPool {
   std::uint32_t count() const { return count_; }
 
   // Core cycle at which the last of `tests` ends if they can start from core cycle `at` on.
-  Cycles issue(Cycles at, std::uint32_t tests) {
+  A2RT_INLINE Cycles issue(Cycles at, std::uint32_t tests) {
     const std::uint64_t own = clock_.from_core(at).value;
     tests_ += tests;
     if (own >= first_ + kDisorder + 64) [[unlikely]] {
@@ -52,9 +53,7 @@ class TesterPool {
       occupy(own, tests);
       return clock_.to_core(Cycles{own} + latency_);
     }
-    const std::uint64_t start = reserve(own, tests);
-    queued_cycles_ += start - own;
-    return clock_.to_core(Cycles{start} + latency_);
+    return issue_later(own, tests);
   }
 
   std::uint64_t tests() const { return tests_; }
@@ -66,10 +65,15 @@ class TesterPool {
 
  private:
   static constexpr std::size_t kLeastRing = 512;
+  A2RT_NOINLINE Cycles issue_later(std::uint64_t own, std::uint32_t tests) {
+    const std::uint64_t start = reserve(own, tests);
+    queued_cycles_ += start - own;
+    return clock_.to_core(Cycles{start} + latency_);
+  }
   std::uint16_t& busy_in(std::uint64_t cycle) { return busy_[cycle & ring_mask_]; }
   std::uint64_t& full_word(std::uint64_t cycle) { return full_[(cycle & ring_mask_) / 64]; }
   // Nobody asks for the past any more: its places in the ring become free, 64 cycles at a time.
-  void forget_before(std::uint64_t own) {
+  A2RT_NOINLINE void forget_before(std::uint64_t own) {
     const std::uint64_t keep = (own - kDisorder) / 64 * 64;
     const std::uint64_t until = std::min(keep, first_ + ring_mask_ + 1);
     for (; first_ < until; first_ += 64) {
