@@ -45,9 +45,9 @@ class RayCompiler {
   void run() {
     while (at_ != end_) {
       const Event& event = *at_++;
+      count(event);
       const Tester tester = kTesterOf[static_cast<std::size_t>(event.kind)];
       if (tester != Tester::kCount) {
-        count(event);
         test(event, tester);
       } else {
         other(event);
@@ -71,11 +71,6 @@ class RayCompiler {
   }
 
   void other(const Event& event) {
-    if (event.kind == EventKind::kContextPop && event.count == 0) {
-      forget_context();
-      return;
-    }
-    count(event);
     switch (event.kind) {
       case EventKind::kFetch:
         event.traffic == Traffic::kResult
@@ -94,7 +89,9 @@ class RayCompiler {
         push_context();
         return;
       case EventKind::kContextPop:
-        config_.context == ContextPolicy::kRefetch ? refetch_context(event) : pop_context();
+        event.count == 0                             ? forget_context()
+        : config_.context == ContextPolicy::kRefetch ? refetch_context(event)
+                                                     : pop_context();
         return;
       case EventKind::kAnyHit:
         out_.push_back(LaneOp::counted(LaneOp::Code::kAnyHit, event.count));
@@ -169,6 +166,7 @@ class RayCompiler {
 
   void forget_context() {
     A2RT_CHECK(contexts_ + contexts_spilled_ > 0, "a ray forgets a context it never saved");
+    --counts_.events[static_cast<std::size_t>(EventKind::kContextPop)];  // nothing is popped
     --(contexts_ > 0 ? contexts_ : contexts_spilled_);
   }
 

@@ -16,6 +16,7 @@ constexpr std::uint64_t kRecordBytes = 128;
 constexpr std::uint64_t kStreamBytes = 16;
 constexpr std::uint64_t kPayloadWords = 64;  // per thread before the area is reused
 constexpr std::uint64_t kWordBytes = 4;
+constexpr std::uint64_t kLanesPerSector = kSectorBytes / kWordBytes;  // of a payload word
 
 std::uint64_t texel(std::uint32_t launch, std::uint32_t width) {
   const std::uint64_t x = launch % width, y = launch / width;
@@ -40,91 +41,122 @@ ShaderAddresses::ShaderAddresses(const Workload& workload, const MachineConfig& 
   }
 }
 
-std::uint64_t ShaderAddresses::record_of(std::uint32_t ray, std::uint32_t launch,
-                                         bool& by_hit) const {
-  by_hit = false;
-  if (model_ == ShaderMemory::kStreaming || ray == kNone || ray >= workload_.driver_hits.size()) {
-    return launch;
+bool ShaderAddresses::record_of(std::uint32_t ray, std::uint64_t& record) const {
+  if (ray == kNone || ray >= workload_.driver_hits.size()) {
+    return false;
   }
   const Hit& hit = workload_.driver_hits[ray];
   if (hit.state != HitState::kHit && hit.state != HitState::kHitInferred) {
-    return launch;
+    return false;
   }
   const std::uint32_t tlas = workload_.rays[ray].tlas;
   if (tlas >= workload_.tlas.size() || hit.instance >= workload_.tlas[tlas].instances.size()) {
-    return launch;
+    return false;
   }
   const std::uint32_t blas = workload_.tlas[tlas].instances[hit.instance].blas;
   if (blas >= blas_first_.size() || hit.geometry >= workload_.blas[blas].geometries.size()) {
-    return launch;
+    return false;
   }
-  by_hit = true;
-  return blas_first_[blas] + workload_.blas[blas].geometries[hit.geometry].first + hit.primitive;
+  record = blas_first_[blas] + workload_.blas[blas].geometries[hit.geometry].first + hit.primitive;
+  return true;
 }
 
+void ShaderAddresses::find_records(const SegmentWork& work, const WarpProgram& warp,
+                                   LaneRecords& out) const {
+  out.by_hit = 0;
+  if (model_ == ShaderMemory::kStreaming || work.shader >= works_on_hit_.size() ||
+      !works_on_hit_[work.shader]) {
+    return;
+  }
+  for (std::uint32_t rest = work.lanes; rest != 0; rest &= rest - 1) {
+    const auto l = static_cast<std::uint32_t>(std::countr_zero(rest));
+    out.by_hit |= std::uint32_t{record_of(warp.last_ray(l), out.record[l])} << l;
+  }
+}
+
+namespace {
+
+// Collects the sectors of a warp's lanes: neighbours mostly share one.
+class SectorList {
+ public:
+  explicit SectorList(std::vector<Address>& out) : out_(out) { out_.clear(); }
+
+  void add(std::uint64_t address, std::uint64_t bytes) {
+    for (std::uint64_t s = address / kSectorBytes; s <= (address + bytes - 1) / kSectorBytes; ++s) {
+      if (s != last_) {
+        sorted_ = sorted_ && (out_.empty() || last_ < s);
+        last_ = s;
+        out_.push_back(Address{s * kSectorBytes});
+      }
+    }
+  }
+  void finish() {
+    if (!sorted_) {
+      std::sort(out_.begin(), out_.end());
+      out_.erase(std::unique(out_.begin(), out_.end()), out_.end());
+    }
+  }
+
+ private:
+  std::vector<Address>& out_;
+  std::uint64_t last_ = ~std::uint64_t{0};
+  bool sorted_ = true;
+};
+
+template <class F>
+void for_each_lane(std::uint32_t lanes, const F& f) {
+  for (; lanes != 0; lanes &= lanes - 1) {
+    f(static_cast<std::uint32_t>(std::countr_zero(lanes)));
+  }
+}
+
+}  // namespace
+
 void ShaderAddresses::sectors(ShaderAccess access, std::uint32_t ordinal, const SegmentWork& work,
-                              const WarpProgram& warp, std::uint32_t width,
-                              std::uint32_t thread_block, std::vector<Address>& out) const {
-  out.clear();
+                              const WarpProgram& warp, const LaneRecords& records,
+                              std::uint32_t width, std::uint32_t thread_block,
+                              std::vector<Address>& out) const {
+  SectorList list(out);
   const std::uint64_t bytes = words_per_load_ * kWordBytes;
   const std::uint64_t offset = ordinal * bytes;
-  const bool hit_shader = work.shader < works_on_hit_.size() && works_on_hit_[work.shader];
-  bool sorted = true;
-  const auto add = [&](std::uint64_t address, std::uint64_t length) {
-    for (std::uint64_t s = address / kSectorBytes; s <= (address + length - 1) / kSectorBytes;
-         ++s) {
-      // Neighbouring lanes mostly share a sector.
-      const Address sector{s * kSectorBytes};
-      if (out.empty() || out.back() != sector) {
-        sorted = sorted && (out.empty() || out.back() < sector);
-        out.push_back(sector);
-      }
-    }
-  };
-  if (access == ShaderAccess::kPayload) {
-    for (std::uint64_t w = 0; w < words_per_load_; ++w) {
-      const std::uint64_t word = (ordinal * words_per_load_ + w) % kPayloadWords;
-      for (std::uint32_t rest = work.lanes; rest != 0; rest &= rest - 1) {
-        const auto l = static_cast<std::uint64_t>(std::countr_zero(rest));
-        add(kPayloads + ((thread_block * kPayloadWords + word) * kLanes + l) * kWordBytes,
-            kWordBytes);
-      }
-    }
-  }
-  for (std::uint32_t l = 0; l < kLanes && access != ShaderAccess::kPayload; ++l) {
-    if ((work.lanes >> l & 1) == 0) {
-      continue;
-    }
-    const std::uint32_t launch = warp.launch(l);
-    const std::uint64_t stream = kStreams + (std::uint64_t{ordinal} << 32) + launch * kStreamBytes;
-    switch (access) {
-      case ShaderAccess::kBufferLoad: {
-        bool by_hit = false;
-        const std::uint64_t record =
-            hit_shader ? record_of(warp.last_ray(l), launch, by_hit) : launch;
-        if (!by_hit) {
-          add(stream, bytes);
+  const std::uint64_t streams = kStreams + (std::uint64_t{ordinal} << 32);
+  switch (access) {
+    case ShaderAccess::kBufferLoad:
+      for_each_lane(work.lanes, [&](std::uint32_t l) {
+        if ((records.by_hit >> l & 1) == 0) {
+          list.add(streams + warp.launch(l) * kStreamBytes, bytes);
         } else if (offset + bytes <= kRecordBytes) {
-          add(kRecords + record * kRecordBytes + offset, bytes);
+          list.add(kRecords + records.record[l] * kRecordBytes + offset, bytes);
         } else {
-          add(kMaterials + offset, bytes);
+          list.add(kMaterials + offset, bytes);
         }
-        break;
+      });
+      break;
+    case ShaderAccess::kBufferStore:
+      for_each_lane(work.lanes, [&](std::uint32_t l) {
+        list.add(streams + warp.launch(l) * kStreamBytes, kStreamBytes);
+      });
+      break;
+    case ShaderAccess::kTexture:
+      for_each_lane(work.lanes, [&](std::uint32_t l) {
+        list.add(kTexels + (std::uint64_t{ordinal} << 28) + texel(warp.launch(l), width),
+                 kWordBytes);
+      });
+      break;
+    case ShaderAccess::kPayload:
+      for (std::uint64_t w = 0; w < words_per_load_; ++w) {
+        const std::uint64_t word = (ordinal * words_per_load_ + w) % kPayloadWords;
+        const std::uint64_t row =
+            kPayloads + (thread_block * kPayloadWords + word) * kLanes * kWordBytes;
+        for (std::uint64_t s = 0; s < kLanes * kWordBytes / kSectorBytes; ++s) {
+          if ((work.lanes >> s * kLanesPerSector & ((1u << kLanesPerSector) - 1)) != 0) {
+            list.add(row + s * kSectorBytes, kWordBytes);
+          }
+        }
       }
-      case ShaderAccess::kBufferStore:
-        add(stream, kStreamBytes);
-        break;
-      case ShaderAccess::kTexture:
-        add(kTexels + (std::uint64_t{ordinal} << 28) + texel(launch, width), kWordBytes);
-        break;
-      case ShaderAccess::kPayload:
-        break;
-    }
+      break;
   }
-  if (!sorted) {
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
-  }
+  list.finish();
 }
 
 }  // namespace a2rt::timing

@@ -31,6 +31,9 @@ void Sm::begin_work(std::uint32_t slot) {
   for (std::size_t c = 0; c < capture::kCounters; ++c) {
     counts_.lane_operations[c] += work.lane_sum[c];
   }
+  if (warp.loads_left[0] > 0) {
+    addresses_.find_records(work, warp.program, warp.records);
+  }
   fronts_[slot].uniform = ceil_div(count_of(work, Counter::kUniformLoad), words);
   begin_phase(slot);
 }
@@ -104,7 +107,8 @@ void Sm::queue_sectors(Cycles now, std::uint32_t slot, ShaderAccess access, std:
                        bool write) {
   Warp& warp = warps_[slot];
   const std::uint32_t block = index_ * config_.sm.warps + slot;
-  addresses_.sectors(access, ordinal, warp.work, warp.program, warp.width, block, scratch_);
+  addresses_.sectors(access, ordinal, warp.work, warp.program, warp.records, warp.width, block,
+                     scratch_);
   for (std::size_t i = 0; i < scratch_.size();) {
     const std::uint64_t line = line_of(scratch_[i]);
     SectorMask sectors = 0;

@@ -16,14 +16,15 @@ TagStore::TagStore(Bytes capacity, std::uint32_t ways, const char* name) {
                     " lines of " + std::to_string(kLineBytes) + " bytes; change capacity or ways");
   }
   lines_.resize(lines);
+  links_.resize(lines);
   sets_.resize(lines / per_set);
   set_mask_ = std::has_single_bit(sets_.size()) ? sets_.size() - 1 : kNoMask;
   for (std::uint32_t i = 0; i < lines; ++i) {
     Set& set = sets_[i / per_set];
     lines_[i].tag = i / per_set;  // never used, but in its set
-    lines_[i].newer = set.oldest;
+    links_[i].newer = set.oldest;
     if (set.oldest != kNoLine) {
-      lines_[set.oldest].older = i;
+      links_[set.oldest].older = i;
     } else {
       set.newest = i;
     }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "a2rt/arith/oracle.h"
+#include "a2rt/base/inline.h"
 #include "a2rt/base/units.h"
 #include "a2rt/base/vec.h"
 #include "a2rt/bvh/wide_bvh.h"
@@ -34,20 +35,28 @@ class EventSink {
   explicit EventSink(std::vector<Event>& events) : events_(events) {}
 
   void fetch(Traffic traffic, Address address, std::uint64_t bytes) {
-    events_.push_back(
-        {EventKind::kFetch, traffic, 1, static_cast<std::uint32_t>(bytes), address.value});
+    add({EventKind::kFetch, traffic, 1, static_cast<std::uint32_t>(bytes), address.value});
   }
   void count(EventKind kind, std::size_t n) {
-    events_.push_back(
-        {kind, Traffic::kNone, static_cast<std::uint16_t>(std::min<std::size_t>(n, 0xffff)), 0, 0});
+    const auto most = static_cast<std::uint16_t>(n < 0xffff ? n : 0xffff);
+    add({kind, Traffic::kNone, most, 0, 0});
   }
   void context_pop(Traffic traffic, Address address, std::uint64_t bytes) {
-    events_.push_back(
-        {EventKind::kContextPop, traffic, 1, static_cast<std::uint32_t>(bytes), address.value});
+    add({EventKind::kContextPop, traffic, 1, static_cast<std::uint32_t>(bytes), address.value});
   }
   void context_forget() { count(EventKind::kContextPop, 0); }
 
  private:
+  A2RT_INLINE void add(const Event& event) {
+    if (events_.size() == events_.capacity()) [[unlikely]] {
+      add_to_full(event);
+    } else {
+      events_.push_back(event);
+    }
+  }
+  // Apart, as otherwise every place that adds an event carries it along.
+  A2RT_NOINLINE void add_to_full(const Event& event) { events_.push_back(event); }
+
   std::vector<Event>& events_;
 };
 

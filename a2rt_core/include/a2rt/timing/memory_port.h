@@ -37,14 +37,16 @@ void for_each_sector(SectorMask mask, const F& f) {
 // Calls f(line, sectors) for each line that [address, address + bytes) touches, ascending.
 template <class F>
 void for_each_line(Address address, std::uint64_t bytes, const F& f) {
+  constexpr std::uint32_t kAll = (1u << kSectorsPerLine) - 1;
   const std::uint64_t first = address.value / kSectorBytes;
-  const std::uint64_t last = (address.value + bytes - 1) / kSectorBytes;
-  for (std::uint64_t line = first / kSectorsPerLine; line <= last / kSectorsPerLine; ++line) {
-    const std::uint64_t base = line * kSectorsPerLine;
-    const std::uint64_t from = first > base ? first - base : 0;
-    const std::uint64_t to = last - base < kSectorsPerLine ? last - base : kSectorsPerLine - 1;
-    f(line, static_cast<SectorMask>((2u << to) - (1u << from)));
+  const std::uint64_t end = (address.value + bytes - 1) / kSectorBytes;
+  const std::uint64_t last_line = end / kSectorsPerLine;
+  std::uint32_t sectors = kAll << first % kSectorsPerLine & kAll;
+  for (std::uint64_t line = first / kSectorsPerLine; line < last_line; ++line) {
+    f(line, static_cast<SectorMask>(sectors));
+    sectors = kAll;
   }
+  f(last_line, static_cast<SectorMask>(sectors & ((2u << end % kSectorsPerLine) - 1)));
 }
 
 // Receives the sectors a level asked for.

@@ -9,6 +9,7 @@
 // `ideal`: loads take the L1's latency and cause no traffic. Uniform loads hit a constant cache.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -20,17 +21,25 @@ namespace a2rt::timing {
 
 enum class ShaderAccess : std::uint8_t { kBufferLoad, kBufferStore, kTexture, kPayload };
 
+// Which record a lane's buffer loads go to in one segment; lanes without one stream by launch id.
+struct LaneRecords {
+  std::uint32_t by_hit = 0;  // bit per lane
+  std::array<std::uint64_t, kLanes> record{};
+};
+
 class ShaderAddresses {
  public:
   ShaderAddresses(const Workload& workload, const MachineConfig& config);
 
-  // Sectors touched by access number `ordinal` of its kind in the segment, each once.
+  void find_records(const SegmentWork& work, const WarpProgram& warp, LaneRecords& out) const;
+
+  // Sectors touched by access number `ordinal` of its kind in the segment, each once, ascending.
   void sectors(ShaderAccess access, std::uint32_t ordinal, const SegmentWork& work,
-               const WarpProgram& warp, std::uint32_t width, std::uint32_t thread_block,
-               std::vector<Address>& out) const;
+               const WarpProgram& warp, const LaneRecords& records, std::uint32_t width,
+               std::uint32_t thread_block, std::vector<Address>& out) const;
 
  private:
-  std::uint64_t record_of(std::uint32_t ray, std::uint32_t launch, bool& by_hit) const;
+  bool record_of(std::uint32_t ray, std::uint64_t& record) const;
 
   const Workload& workload_;
   ShaderMemory model_;

@@ -103,6 +103,7 @@ class Sm final : public Component, public RtHost, public L1Client {
     WarpProgram program;
     SegmentWork work;
     LaneRays rays{};
+    LaneRecords records;
     std::vector<CandidateJob> jobs;
     // What is left of the segment after this phase.
     std::uint32_t alu = 0, sfu = 0, loads = 0, stores = 0;

@@ -69,10 +69,15 @@ class TagStore {
   static constexpr std::uint32_t kNoLine = 0xffffffffu;
   struct Line {
     std::uint64_t tag = 0;
-    std::uint32_t older = kNoLine, newer = kNoLine, hash_next = kNoLine;
+    std::uint32_t hash_next = kNoLine;
     SectorMask valid = 0, dirty = 0;
     bool used = false;
     std::array<Traffic, kSectorsPerLine> kinds{};
+  };
+  // A line's neighbours in its set's order of use. Apart from the line: every use changes those of
+  // three others, of which nothing else is wanted.
+  struct Links {
+    std::uint32_t older = kNoLine, newer = kNoLine;
   };
   struct Set {
     std::uint32_t newest = kNoLine, oldest = kNoLine;
@@ -90,16 +95,15 @@ class TagStore {
     return set_mask_ != kNoMask ? line & set_mask_ : line % sets_.size();
   }
   void make_newest(std::uint32_t index) {
-    Line& line = lines_[index];
-    if (line.newer == kNoLine) {
+    Links& links = links_[index];
+    if (links.newer == kNoLine) {
       return;
     }
-    Set& set = sets_[set_of(line.tag)];
-    lines_[line.newer].older = line.older;
-    (line.older != kNoLine ? lines_[line.older].newer : set.oldest) = line.newer;
-    line.older = set.newest;
-    line.newer = kNoLine;
-    lines_[set.newest].newer = index;
+    Set& set = sets_[set_of(lines_[index].tag)];
+    links_[links.newer].older = links.older;
+    (links.older != kNoLine ? links_[links.older].newer : set.oldest) = links.newer;
+    links = {set.newest, kNoLine};
+    links_[set.newest].newer = index;
     set.newest = index;
   }
   void unlink_hash(std::uint32_t index);
@@ -110,6 +114,7 @@ class TagStore {
   std::uint64_t set_mask_ = 0;
   std::uint32_t hash_shift_ = 0;
   std::vector<Line> lines_;
+  std::vector<Links> links_;  // by line
   std::vector<Set> sets_;
   std::vector<std::uint32_t> buckets_;
   struct Residence {
