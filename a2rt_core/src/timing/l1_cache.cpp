@@ -104,7 +104,7 @@ SectorMask L1Cache::take_misses(std::uint32_t& index, Address line, SectorMask s
 }
 
 // Sends the accepted sectors, in order; there is at least one.
-inline void L1Cache::enter_all(Cycles now, Port& port, Address line, Lookup& lookup) {
+A2RT_INLINE void L1Cache::enter_all(Cycles now, Port& port, Address line, Lookup& lookup) {
   const std::uint64_t base = line.value / kSectorBytes;
   if (!port.simple()) {
     for_each_sector(lookup.accepted, [&](std::uint32_t s) {

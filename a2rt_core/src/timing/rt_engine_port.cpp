@@ -13,13 +13,13 @@ constexpr Cycles kBurst{8};
 
 }  // namespace
 
-std::uint32_t RtEngine::oldest_with_requests() const {
+A2RT_INLINE std::uint32_t RtEngine::oldest_with_requests() const {
   for (const std::uint32_t slot : by_age_) {
     if (!slots_[slot].requests.nothing_to_send()) {
       return slot;
     }
   }
-  return static_cast<std::uint32_t>(slots_.size());
+  return kNone;
 }
 
 void RtEngine::send_store(Cycles now) {
@@ -32,7 +32,7 @@ void RtEngine::send_store(Cycles now) {
   }
 }
 
-void RtEngine::send_request(Cycles now, std::uint32_t slot) {
+A2RT_INLINE void RtEngine::send_request(Cycles now, std::uint32_t slot) {
   RequestTable& requests = slots_[slot].requests;
   const RequestTable::Next next = requests.next();
   const L1Cache::Lookup found =
@@ -54,15 +54,16 @@ void RtEngine::run_port(Cycles now) {
   const Cycles burst_end = now + kBurst;
   bool more = true;
   while (!port_blocked_ && port_.next(now) < burst_end) {
-    const std::uint32_t slot = oldest_with_requests();
-    if (stores_head_ < stores_.size()) {
+    if (stores_head_ < stores_.size()) [[unlikely]] {
       send_store(now);
-    } else if (slot < slots_.size()) {
-      send_request(now, slot);
-    } else {
+      continue;
+    }
+    const std::uint32_t slot = oldest_with_requests();
+    if (slot == kNone) {
       more = false;
       break;
     }
+    send_request(now, slot);
   }
   const std::uint64_t used = port_.cycles_used() - cycles_before;
   if (used > 0) {
@@ -74,7 +75,7 @@ void RtEngine::run_port(Cycles now) {
     port_series_.add(end - Cycles{used}, end, 1);
   }
   if (more && !port_blocked_ &&
-      (stores_head_ < stores_.size() || oldest_with_requests() < slots_.size())) {
+      (stores_head_ < stores_.size() || oldest_with_requests() != kNone)) {
     kick_port(now);
   }
 }

@@ -83,6 +83,12 @@ void Sm::set_state(Cycles now, std::uint32_t slot, State state) {
   account(now, scheduler);
   --scheduler.states[static_cast<std::size_t>(front.state)];
   ++scheduler.states[static_cast<std::size_t>(state)];
+  if (front.state == State::kReady && state != State::kReady) {
+    *std::find(scheduler.ready.begin(), scheduler.ready.end(), slot) = scheduler.ready.back();
+    scheduler.ready.pop_back();
+  } else if (front.state != State::kReady && state == State::kReady) {
+    scheduler.ready.push_back(slot);
+  }
   lsu_waiters_ += state == State::kLsu;
   lsu_waiters_ -= front.state == State::kLsu;
   front.state = state;
@@ -118,11 +124,8 @@ Cycles Sm::earliest_end(const Scheduler& scheduler, const Front& front) const {
 void Sm::book(Cycles now, std::uint32_t index) {
   Scheduler& scheduler = schedulers_[index];
   Cycles earliest = kNever;
-  const auto step = static_cast<std::uint32_t>(schedulers_.size());
-  for (std::uint32_t slot = index; slot < fronts_.size(); slot += step) {
-    if (fronts_[slot].state == State::kReady) {
-      earliest = std::min(earliest, earliest_end(scheduler, fronts_[slot]));
-    }
+  for (const std::uint32_t slot : scheduler.ready) {
+    earliest = std::min(earliest, earliest_end(scheduler, fronts_[slot]));
   }
   if (earliest == kNever) {
     return;
@@ -139,13 +142,9 @@ void Sm::book(Cycles now, std::uint32_t index) {
 // The first cycle in which some warp can issue, and which one does. Greedy then oldest: the warp
 // that issued last if it can, else the oldest that can. There must be a ready warp.
 Sm::Choice Sm::choose(const Scheduler& scheduler, std::uint32_t index) const {
-  const auto step = static_cast<std::uint32_t>(schedulers_.size());
   Choice best{kNoSlot, kNever};
-  for (std::uint32_t slot = index; slot < fronts_.size(); slot += step) {
+  for (const std::uint32_t slot : scheduler.ready) {
     const Front& front = fronts_[slot];
-    if (front.state != State::kReady) {
-      continue;
-    }
     const Cycles at = std::max(front.ready, scheduler.free);
     if (at < best.at || (at == best.at && front.age < fronts_[best.slot].age)) {
       best = {slot, at};
@@ -162,8 +161,7 @@ Sm::Choice Sm::choose(const Scheduler& scheduler, std::uint32_t index) const {
 // nothing but arithmetic, or the scheduler would have been booked for it.
 void Sm::advance(Cycles end, std::uint32_t index) {
   Scheduler& scheduler = schedulers_[index];
-  const std::uint32_t& ready = scheduler.states[static_cast<std::size_t>(State::kReady)];
-  while (ready > 0) {
+  while (!scheduler.ready.empty()) {
     Choice choice = choose(scheduler, index);
     if (choice.at >= end) {
       return;
@@ -174,7 +172,7 @@ void Sm::advance(Cycles end, std::uint32_t index) {
     do {
       issued |= step(choice.at, choice.slot, index) == Issue::kIssued;
       choice.at = std::max(front.ready, scheduler.free);
-    } while (ready == 1 && front.state == State::kReady && choice.at < end);
+    } while (scheduler.ready.size() == 1 && front.state == State::kReady && choice.at < end);
     if (issued) {
       scheduler.last = choice.slot;
       calendar_.progress();

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "a2rt/base/inline.h"
 #include "a2rt/timing/budget.h"
 #include "a2rt/timing/machine_config.h"
 #include "a2rt/timing/memory_port.h"
@@ -89,7 +90,7 @@ class L1Cache final : public LineSink {
     return at;
   }
   void enter_all(Cycles now, Port& port, Address line, Lookup& lookup);
-  void miss(Cycles now, Port& port, Address line, SectorMask missing, Traffic kind,
+  A2RT_NOINLINE void miss(Cycles now, Port& port, Address line, SectorMask missing, Traffic kind,
             L1Client& client, std::uint32_t token, Lookup& result);
   std::uint32_t find(std::uint64_t line) const;
   std::uint32_t obtain(std::uint64_t line, Traffic kind);

@@ -117,6 +117,7 @@ class Sm final : public Component, public RtHost, public L1Client {
     bool booked = false;
     Cycles booked_at;
     std::array<std::uint32_t, static_cast<std::size_t>(State::kCount)> states{};
+    std::vector<std::uint32_t> ready;  // slots, in no order
     Attribution<SchedulerReason> attribution;
   };
   struct LsuEntry {
