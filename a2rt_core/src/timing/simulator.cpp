@@ -185,6 +185,7 @@ void Machine::run_dispatch() {
     const Cycles end = now_ + stretch_;
     run(dram_calendar_, end);
     run_sms(end);
+    memory_.prefetch_slices();
     run(slice_calendar_, end);
   }
   A2RT_CHECK(queue_next_ == queue_.size() &&

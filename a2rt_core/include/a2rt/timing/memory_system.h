@@ -41,6 +41,10 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   void request(Cycles leaves, std::uint32_t sm, Address line, SectorMask sectors, Traffic kind,
                bool write) override;
 
+  // The slices run next: brings the tags of what they will look up and fill into the host's caches,
+  // all at once. Changes nothing.
+  void prefetch_slices();
+
   const CacheCounts& l2_counts() const { return l2_counts_; }
   const TrafficCounts& dram_reads() const { return dram_reads_; }
   const TrafficCounts& dram_writes() const { return dram_writes_; }
@@ -74,6 +78,12 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
     std::vector<std::uint32_t> mshrs;  // hash buckets of request indices, chained by `next`
     std::uint32_t mshrs_used = 0;
     std::deque<std::uint32_t> blocked;  // oldest first; who comes later waits behind them
+  };
+  // A lookup or a fill that the slices will come to in their next stretch.
+  struct Coming {
+    Address local;
+    std::uint32_t slice;
+    bool fill;
   };
   std::uint32_t allocate();
   void release(std::uint32_t index);
@@ -112,6 +122,7 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   std::vector<std::uint32_t> merged_;
   std::uint32_t free_ = kNil;
   std::uint64_t live_ = 0;
+  std::vector<Coming> coming_;
   CacheCounts l2_counts_;
   TrafficCounts dram_reads_{}, dram_writes_{};
   std::uint64_t crossbar_sectors_ = 0;

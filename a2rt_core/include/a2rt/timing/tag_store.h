@@ -49,8 +49,14 @@ class TagStore {
     }
     return found;
   }
-  // The line will be looked up soon.
+  // The line will be looked up soon: brings what that touches into the host's caches.
   void prefetch(Address line) const { __builtin_prefetch(&buckets_[hash(line_of(line))]); }
+  void prefetch_found(Address line) const { prefetch_entry(buckets_[hash(line_of(line))]); }
+  // The same for a line that will be inserted.
+  void prefetch_victim(Address line) const {
+    prefetch(line);
+    prefetch_entry(sets_[set_of(line_of(line))].oldest);
+  }
   // Those of the line's sectors that are valid.
   SectorMask valid(Address line) const {
     const std::uint32_t index = find(line_of(line));
@@ -67,6 +73,12 @@ class TagStore {
 
  private:
   static constexpr std::uint32_t kNoLine = 0xffffffffu;
+  void prefetch_entry(std::uint32_t index) const {
+    if (index != kNoLine) {
+      __builtin_prefetch(&lines_[index]);
+      __builtin_prefetch(&links_[index]);
+    }
+  }
   struct Line {
     std::uint64_t tag = 0;
     std::uint32_t hash_next = kNoLine;
