@@ -88,6 +88,14 @@ std::uint32_t WarpProgram::depth_of_next(const Lane& lane) const {
 
 bool WarpProgram::next(SegmentWork& work, LaneRays& rays_after) {
   std::uint32_t best_depth = 0, best_shader = kNone;
+  // Neighbouring launches' segments lie apart, and nothing else has touched them: all at once.
+  for (const Lane& lane : lanes_) {
+    if (lane.next != lane.end) {
+      const Segment* segment = &program_->segments()[lane.next];
+      __builtin_prefetch(segment);
+      __builtin_prefetch(segment + 1);  // most of it may be in the next line of the host
+    }
+  }
   for (const Lane& lane : lanes_) {
     if (lane.next == lane.end) {
       continue;

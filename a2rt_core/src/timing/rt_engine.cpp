@@ -71,6 +71,11 @@ void RtEngine::accept(Cycles now, std::uint32_t warp, LaneRays rays) {
 
 void RtEngine::compile(Cycles now, std::uint32_t index, const LaneRays& rays) {
   Slot& slot = slots_[index];
+  for (const std::uint32_t ray : rays) {
+    if (ray != kNone) {
+      source_.prefetch(ray);
+    }
+  }
   std::array<std::size_t, kLanes> first{};
   slot.ops.clear();
   for (std::uint32_t l = 0; l < kLanes; ++l) {
@@ -291,7 +296,7 @@ void RtEngine::end_ray(Cycles now, std::uint32_t slot, std::uint32_t l) {
   Slot& s = slots_[slot];
   account(now);
   set_state(now, s.lanes[l], LaneState::kDone);
-  host_.ray_time(s.lanes[l].ray, now - s.lanes[l].started);
+  host_.ray_time(s.warp, l, now - s.lanes[l].started);
   if (--s.active == 0) {
     end_warp(now, slot);
   } else {

@@ -18,6 +18,13 @@ constexpr std::uint64_t kPayloadWords = 64;  // per thread before the area is re
 constexpr std::uint64_t kWordBytes = 4;
 constexpr std::uint64_t kLanesPerSector = kSectorBytes / kWordBytes;  // of a payload word
 
+template <class F>
+void for_each_lane(std::uint32_t lanes, const F& f) {
+  for (; lanes != 0; lanes &= lanes - 1) {
+    f(static_cast<std::uint32_t>(std::countr_zero(lanes)));
+  }
+}
+
 std::uint64_t texel(std::uint32_t launch, std::uint32_t width) {
   const std::uint64_t x = launch % width, y = launch / width;
   const std::uint64_t tiles = (width + 7) / 8;
@@ -68,10 +75,15 @@ void ShaderAddresses::find_records(const SegmentWork& work, const WarpProgram& w
       !works_on_hit_[work.shader]) {
     return;
   }
-  for (std::uint32_t rest = work.lanes; rest != 0; rest &= rest - 1) {
-    const auto l = static_cast<std::uint32_t>(std::countr_zero(rest));
+  for_each_lane(work.lanes, [&](std::uint32_t l) {
+    if (warp.last_ray(l) < workload_.driver_hits.size()) {
+      __builtin_prefetch(&workload_.driver_hits[warp.last_ray(l)]);
+      __builtin_prefetch(&workload_.rays[warp.last_ray(l)].tlas);
+    }
+  });
+  for_each_lane(work.lanes, [&](std::uint32_t l) {
     out.by_hit |= std::uint32_t{record_of(warp.last_ray(l), out.record[l])} << l;
-  }
+  });
 }
 
 namespace {
@@ -102,13 +114,6 @@ class SectorList {
   std::uint64_t last_ = ~std::uint64_t{0};
   bool sorted_ = true;
 };
-
-template <class F>
-void for_each_lane(std::uint32_t lanes, const F& f) {
-  for (; lanes != 0; lanes &= lanes - 1) {
-    f(static_cast<std::uint32_t>(std::countr_zero(lanes)));
-  }
-}
 
 }  // namespace
 

@@ -42,7 +42,7 @@ class Machine final : public SmHost {
   void collect_sm(Sm& sm);
   bool next_warp(NewWarp& warp) override;
   void warp_retired(std::uint32_t sm, std::uint32_t number, Cycles residence) override;
-  void ray_time(std::uint32_t ray, Cycles cycles) override;
+  void ray_time(std::uint32_t launch, Cycles cycles) override;
 
   const Workload& workload_;
   MachineConfig config_;
@@ -61,7 +61,8 @@ class Machine final : public SmHost {
   std::vector<std::uint32_t> queue_;  // warp numbers of the current dispatch
   std::size_t queue_next_ = 0;
   std::uint64_t retired_ = 0, total_ = 0;
-  std::vector<std::uint64_t> launch_base_;
+  std::vector<std::uint64_t> launch_base_;  // of each dispatch, in launch_cycles
+  std::uint64_t dispatch_base_ = 0;         // of the present one
   SimulationResult result_;
 };
 
@@ -82,11 +83,9 @@ void Machine::warp_retired(std::uint32_t, std::uint32_t number, Cycles residence
   result_.warps.push_back({number, residence});
 }
 
-void Machine::ray_time(std::uint32_t ray, Cycles cycles) {
+void Machine::ray_time(std::uint32_t launch, Cycles cycles) {
   result_.ray_cycles.add(cycles.value);
-  const Ray& r = workload_.rays[ray];
-  result_.launch_cycles[launch_base_[r.dispatch] + r.launch] +=
-      static_cast<std::uint32_t>(cycles.value);
+  result_.launch_cycles[dispatch_base_ + launch] += static_cast<std::uint32_t>(cycles.value);
 }
 
 Cycles Machine::last_progress() const {
@@ -219,6 +218,7 @@ SimulationResult Machine::run(const std::vector<WarpPlace>& places,
       queue_.push_back(chosen[i]);
     }
     program_ = std::make_unique<DispatchProgram>(workload_, dispatch);
+    dispatch_base_ = launch_base_[dispatch];
     result_.shader_counts_captured |= program_->from_capture();
     run_dispatch();
     if (progress) {

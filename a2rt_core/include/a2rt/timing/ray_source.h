@@ -11,6 +11,8 @@ namespace a2rt::timing {
 class RaySource {
  public:
   virtual ~RaySource() = default;
+  // The ray's events will be asked for soon; may bring what that needs into the host's caches.
+  virtual void prefetch(std::uint32_t /*ray*/) const {}
   // Appends the events of ray `ray` (index into Workload::rays) in program order.
   virtual void events(std::uint32_t ray, std::vector<Event>& out) = 0;
 };

@@ -49,8 +49,8 @@ class RtHost {
   virtual void slot_free(Cycles now) = 0;
   // Run the shaders for these candidates at `start` and answer with RtEngine::candidates_done.
   virtual void judge(Cycles start, std::uint32_t warp, const std::vector<CandidateJob>& jobs) = 0;
-  // A ray took `cycles` from its start in the unit to its end.
-  virtual void ray_time(std::uint32_t ray, Cycles cycles) = 0;
+  // The lane's ray took `cycles` from its start in the unit to its end.
+  virtual void ray_time(std::uint32_t warp, std::uint32_t lane, Cycles cycles) = 0;
 };
 
 // What the rays wanted, and what came of it in time.

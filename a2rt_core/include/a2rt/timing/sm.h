@@ -40,7 +40,8 @@ class SmHost {
   // Fills `warp` and returns true, or returns false if no warp is left for now.
   virtual bool next_warp(NewWarp& warp) = 0;
   virtual void warp_retired(std::uint32_t sm, std::uint32_t number, Cycles residence) = 0;
-  virtual void ray_time(std::uint32_t ray, Cycles cycles) = 0;
+  // A ray that launch id `launch` traced took so long.
+  virtual void ray_time(std::uint32_t launch, Cycles cycles) = 0;
 };
 
 struct SmCounts {
@@ -165,7 +166,9 @@ class Sm final : public Component, public RtHost, public L1Client {
   void rays_done(Cycles now, std::uint32_t warp, Cycles ready) override;
   void slot_free(Cycles now) override;
   void judge(Cycles start, std::uint32_t warp, const std::vector<CandidateJob>& jobs) override;
-  void ray_time(std::uint32_t ray, Cycles cycles) override { host_.ray_time(ray, cycles); }
+  void ray_time(std::uint32_t warp, std::uint32_t lane, Cycles cycles) override {
+    host_.ray_time(warps_[warp].program.launch(lane), cycles);
+  }
 
   MachineConfig config_;
   std::uint32_t index_;

@@ -12,6 +12,10 @@ class UnitSource final : public RaySource {
   // The unit must have been built on `workload`; both must outlive the source.
   UnitSource(const RtUnit& unit, const Workload& workload) : unit_(unit), workload_(workload) {}
 
+  void prefetch(std::uint32_t ray) const override {
+    __builtin_prefetch(&workload_.rays[ray]);
+    __builtin_prefetch(&workload_.candidate_first[ray]);
+  }
   void events(std::uint32_t ray, std::vector<Event>& out) override {
     const auto& first = workload_.candidate_first;
     const std::span<const Candidate> candidates =
