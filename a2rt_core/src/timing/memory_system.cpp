@@ -64,7 +64,7 @@ void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address line, Sector
                       kNil,    kind,
                       sectors, write,
                       {}};
-  coming_.push_back({Address{requests_[index].local}, requests_[index].slice, false});
+  coming_.push_back({Address{requests_[index].local}, requests_[index].slice});
   const Cycles sent = sm_out_[sm].take(sm_calendars_[sm]->now(), leaves, sectors_in(sectors));
   crossbar_sectors_ += write ? sectors_in(sectors) : 0;
   calendar_.at(sent + config_.l2.crossbar_latency, *this, kAtSlice, index);
@@ -73,10 +73,6 @@ void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address line, Sector
 void MemorySystem::prefetch_slices() {
   for (const Coming& c : coming_) {
     slices_[c.slice].tags.prefetch(c.local);
-  }
-  for (const Coming& c : coming_) {
-    const TagStore& tags = slices_[c.slice].tags;
-    c.fill ? tags.prefetch_victim(c.local) : tags.prefetch_found(c.local);
   }
   coming_.clear();
 }
@@ -286,7 +282,7 @@ void MemorySystem::dram_done(Cycles now, std::uint32_t tag) {
   requests_[first] = requests_[tag];
   respond(now, first);
   answer_merged(now, tag);
-  coming_.push_back({Address{requests_[tag].local}, requests_[tag].slice, true});
+  coming_.push_back({Address{requests_[tag].local}, requests_[tag].slice});
   calendar_.at(now, *this, kFill, tag);
 }
 

@@ -15,6 +15,10 @@ TagStore::TagStore(Bytes capacity, std::uint32_t ways, const char* name) {
                     " bytes is not a whole number of sets of " + std::to_string(per_set) +
                     " lines of " + std::to_string(kLineBytes) + " bytes; change capacity or ways");
   }
+  if (per_set <= PackedSets::kMostWays) {
+    packed_.emplace(lines / per_set, static_cast<std::uint32_t>(per_set));
+    return;
+  }
   lines_.resize(lines);
   links_.resize(lines);
   sets_.resize(lines / per_set);
@@ -43,34 +47,11 @@ void TagStore::unlink_hash(std::uint32_t index) {
   *link = lines_[index].hash_next;
 }
 
-void TagStore::change_residence(Cycles now, Traffic kind, int delta) {
-  Residence& r = residence_[static_cast<std::size_t>(kind)];
-  r.sector_cycles += r.sectors * (now.value - r.since.value);
-  r.since = now;
-  r.sectors = static_cast<std::uint64_t>(static_cast<std::int64_t>(r.sectors) + delta);
-}
-
-// Ends the residence of some of a line's sectors; neighbours are mostly of one kind.
-void TagStore::forget(Cycles now, const Line& line, SectorMask sectors) {
-  for (std::uint32_t rest = sectors; rest != 0;) {
-    const Traffic kind = line.kinds[static_cast<std::size_t>(std::countr_zero(rest))];
-    int count = 0;
-    std::uint32_t others = 0;
-    for (; rest != 0; rest &= rest - 1) {
-      const auto s = static_cast<std::size_t>(std::countr_zero(rest));
-      if (line.kinds[s] == kind) {
-        ++count;
-      } else {
-        others |= 1u << s;
-      }
-    }
-    change_residence(now, kind, -count);
-    rest = others;
+std::optional<Victim> TagStore::insert(Cycles now, Address line_address, SectorMask sectors,
+                                       Traffic kind, bool dirty) {
+  if (packed_) {
+    return packed_->insert(now, line_of(line_address), sectors, kind, dirty, residence_);
   }
-}
-
-std::optional<TagStore::Victim> TagStore::insert(Cycles now, Address line_address,
-                                                 SectorMask sectors, Traffic kind, bool dirty) {
   const std::uint64_t tag = line_of(line_address);
   std::optional<Victim> victim;
   std::uint32_t index = find(tag);
@@ -79,7 +60,7 @@ std::optional<TagStore::Victim> TagStore::insert(Cycles now, Address line_addres
     Line& line = lines_[index];
     if (line.used) {
       victim = Victim{line.tag, line.dirty, line.kinds};
-      forget(now, line, line.valid);
+      residence_.leave(now, line.kinds, line.valid);
       unlink_hash(index);
     }
     line.tag = tag;
@@ -89,29 +70,19 @@ std::optional<TagStore::Victim> TagStore::insert(Cycles now, Address line_addres
     buckets_[hash(tag)] = index;
   }
   Line& line = lines_[index];
-  forget(now, line, static_cast<SectorMask>(line.valid & sectors));
+  residence_.leave(now, line.kinds, static_cast<SectorMask>(line.valid & sectors));
   int added = 0;
   for (std::uint32_t rest = sectors; rest != 0; rest &= rest - 1) {
     line.kinds[static_cast<std::size_t>(std::countr_zero(rest))] = kind;
     ++added;
   }
-  change_residence(now, kind, added);
+  residence_.enter(now, kind, added);
   line.valid |= sectors;
   if (dirty) {
     line.dirty |= sectors;
   }
   make_newest(index);
   return victim;
-}
-
-std::array<std::uint64_t, static_cast<std::size_t>(Traffic::kCount)> TagStore::residence(
-    Cycles now) const {
-  std::array<std::uint64_t, static_cast<std::size_t>(Traffic::kCount)> all{};
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    const Residence& r = residence_[k];
-    all[k] = r.sector_cycles + r.sectors * (now.value - r.since.value);
-  }
-  return all;
 }
 
 }  // namespace a2rt::timing

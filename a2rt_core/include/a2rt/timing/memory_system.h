@@ -83,7 +83,6 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   struct Coming {
     Address local;
     std::uint32_t slice;
-    bool fill;
   };
   std::uint32_t allocate();
   void release(std::uint32_t index);

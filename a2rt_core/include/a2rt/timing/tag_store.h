@@ -1,5 +1,5 @@
-// Tags of a sectored set-associative cache with true LRU. One hash table over all lines makes a
-// fully associative cache as cheap to look up as a 16-way one.
+// Tags of a sectored set-associative cache with true LRU. Up to 16 ways are kept in packed sets; for
+// more, one hash table over all lines makes a fully associative cache as cheap to look up.
 #pragma once
 
 #include <array>
@@ -9,36 +9,21 @@
 
 #include "a2rt/base/units.h"
 #include "a2rt/rt/event.h"
+#include "a2rt/timing/packed_sets.h"
+#include "a2rt/timing/sectors.h"
 
 namespace a2rt::timing {
-
-inline constexpr std::uint64_t kLineBytes = 128;
-inline constexpr std::uint64_t kSectorBytes = 32;
-inline constexpr std::uint32_t kSectorsPerLine = 4;
-
-// Sectors of one line: bit s stands for sector s.
-using SectorMask = std::uint8_t;
-
-constexpr Address sector_of(Address a) { return Address{a.value & ~(kSectorBytes - 1)}; }
-constexpr std::uint64_t line_of(Address a) { return a.value / kLineBytes; }
-constexpr std::uint32_t sector_index(Address a) {
-  return static_cast<std::uint32_t>(a.value / kSectorBytes) % kSectorsPerLine;
-}
 
 class TagStore {
  public:
   // `ways` 0 = fully associative. Throws UserError if the sizes do not divide.
   TagStore(Bytes capacity, std::uint32_t ways, const char* name);
 
-  // A line thrown out; `dirty` has a bit per sector to be written below.
-  struct Victim {
-    std::uint64_t line = 0;
-    SectorMask dirty = 0;
-    std::array<Traffic, kSectorsPerLine> kinds{};
-  };
-
   // Those of the line's `wanted` sectors that are valid; if any, the line becomes the most recent.
   SectorMask touch(Address line, SectorMask wanted) {
+    if (packed_) {
+      return packed_->touch(line_of(line), wanted);
+    }
     const std::uint32_t index = find(line_of(line));
     if (index == kNoLine) {
       return 0;
@@ -49,16 +34,16 @@ class TagStore {
     }
     return found;
   }
-  // The line will be looked up soon: brings what that touches into the host's caches.
-  void prefetch(Address line) const { __builtin_prefetch(&buckets_[hash(line_of(line))]); }
-  void prefetch_found(Address line) const { prefetch_entry(buckets_[hash(line_of(line))]); }
-  // The same for a line that will be inserted.
-  void prefetch_victim(Address line) const {
-    prefetch(line);
-    prefetch_entry(sets_[set_of(line_of(line))].oldest);
+  // The line will be looked up or inserted soon: brings what that touches into the host's caches.
+  void prefetch(Address line) const {
+    packed_ ? packed_->prefetch(line_of(line))
+            : __builtin_prefetch(&buckets_[hash(line_of(line))]);
   }
   // Those of the line's sectors that are valid.
   SectorMask valid(Address line) const {
+    if (packed_) {
+      return packed_->valid(line_of(line));
+    }
     const std::uint32_t index = find(line_of(line));
     return index == kNoLine ? SectorMask{0} : lines_[index].valid;
   }
@@ -67,24 +52,17 @@ class TagStore {
   std::optional<Victim> insert(Cycles now, Address line, SectorMask sectors, Traffic kind,
                                bool dirty);
 
-  std::uint64_t line_count() const { return lines_.size(); }
   // Sector-cycles of residence by kind up to `now`: what the cache was filled with over time.
-  std::array<std::uint64_t, static_cast<std::size_t>(Traffic::kCount)> residence(Cycles now) const;
+  SectorResidence::Totals residence(Cycles now) const { return residence_.totals(now); }
 
  private:
   static constexpr std::uint32_t kNoLine = 0xffffffffu;
-  void prefetch_entry(std::uint32_t index) const {
-    if (index != kNoLine) {
-      __builtin_prefetch(&lines_[index]);
-      __builtin_prefetch(&links_[index]);
-    }
-  }
   struct Line {
     std::uint64_t tag = 0;
     std::uint32_t hash_next = kNoLine;
     SectorMask valid = 0, dirty = 0;
     bool used = false;
-    std::array<Traffic, kSectorsPerLine> kinds{};
+    SectorKinds kinds{};
   };
   // A line's neighbours in its set's order of use. Apart from the line: every use changes those of
   // three others, of which nothing else is wanted.
@@ -119,8 +97,6 @@ class TagStore {
     set.newest = index;
   }
   void unlink_hash(std::uint32_t index);
-  void forget(Cycles now, const Line& line, SectorMask sectors);
-  void change_residence(Cycles now, Traffic kind, int delta);
   static constexpr std::uint64_t kNoMask = ~std::uint64_t{0};
 
   std::uint64_t set_mask_ = 0;
@@ -129,11 +105,8 @@ class TagStore {
   std::vector<Links> links_;  // by line
   std::vector<Set> sets_;
   std::vector<std::uint32_t> buckets_;
-  struct Residence {
-    std::uint64_t sectors = 0, sector_cycles = 0;
-    Cycles since;
-  };
-  std::array<Residence, static_cast<std::size_t>(Traffic::kCount)> residence_{};
+  std::optional<PackedSets> packed_;  // if so, nothing of the above
+  SectorResidence residence_;
 };
 
 }  // namespace a2rt::timing
