@@ -53,7 +53,7 @@ TEST(LaneOps, a_record_over_two_lines_is_one_read_that_ends_with_the_second) {
 }
 
 TEST(LaneOps, records_that_touch_are_one_read_and_others_are_not) {
-  const Compiled c = compile({fetch(0, 48), fetch(48, 16, Traffic::kTriangle), fetch(96)});
+  const Compiled c = compile({fetch(0, 128), fetch(128, 16, Traffic::kTriangle), fetch(256)});
   ASSERT_EQ(c.ops.size(), 4u);
   EXPECT_FALSE(c.ops[0].last());
   EXPECT_TRUE(c.ops[1].last());
@@ -87,19 +87,95 @@ TEST(LaneOps, a_result_is_stored_sector_by_sector) {
   EXPECT_EQ(c.ops[1].sectors(), 0b0001);
 }
 
+RtConfig with(ContextPolicy policy) {
+  RtConfig config;
+  config.context = policy;
+  return config;
+}
+
 TEST(LaneOps, a_context_comes_from_its_stack_or_is_read_and_set_up_again) {
+  const Event save = count_event(EventKind::kContextPush);
   const Event group{EventKind::kContextPop, Traffic::kGroupNode, 1, 45, 8192};
   const Event anchor{EventKind::kContextPop, Traffic::kAnchor, 1, 45, 8192};
-  EXPECT_EQ(compile({group}).codes(), (std::vector<Code>{Code::kPopContext, Code::kEnd}));
-  const Compiled again = compile({group}, ContextPolicy::kRefetch);
-  ASSERT_EQ(again.codes(), (std::vector<Code>{Code::kRefetchContext, Code::kRead, Code::kTest,
-                                              Code::kTest, Code::kEnd}));
-  EXPECT_EQ(again.ops[2].tester(), Tester::kBox);
-  EXPECT_EQ(again.ops[3].tester(), Tester::kQuantizer);
-  const Compiled cluster = compile({anchor}, ContextPolicy::kRefetch);
-  ASSERT_EQ(cluster.codes(),
-            (std::vector<Code>{Code::kRefetchContext, Code::kRead, Code::kTest, Code::kEnd}));
-  EXPECT_EQ(cluster.ops[2].tester(), Tester::kAnchor);
+  const Compiled kept = compile({save, group});
+  EXPECT_EQ(kept.codes(), std::vector<Code>{Code::kEnd});
+  EXPECT_EQ(kept.counts.context_saves, 1u);
+  EXPECT_EQ(kept.counts.context_restores, 1u);
+  const Compiled again = compile({save, group}, with(ContextPolicy::kRefetch));
+  ASSERT_EQ(again.codes(), (std::vector<Code>{Code::kRead, Code::kTest, Code::kTest, Code::kEnd}));
+  EXPECT_EQ(again.ops[1].tester(), Tester::kBox);
+  EXPECT_EQ(again.ops[2].tester(), Tester::kQuantizer);
+  EXPECT_EQ(again.counts.context_refetches, 1u);
+  EXPECT_EQ(again.counts.context_refetch_steps, 2u);
+  const Compiled cluster = compile({save, anchor}, with(ContextPolicy::kRefetch));
+  ASSERT_EQ(cluster.codes(), (std::vector<Code>{Code::kRead, Code::kTest, Code::kEnd}));
+  EXPECT_EQ(cluster.ops[1].tester(), Tester::kAnchor);
+}
+
+TEST(LaneOps, a_context_that_was_never_saved_cannot_come_back) {
+  const Event group{EventKind::kContextPop, Traffic::kGroupNode, 1, 45, 8192};
+  EXPECT_THROW(compile({group}), InternalError);
+  EXPECT_THROW(compile({group}, with(ContextPolicy::kRefetch)), InternalError);
+  EXPECT_THROW(compile({count_event(EventKind::kContextPop, 0)}), InternalError);
+}
+
+TEST(LaneOps, a_context_forgotten_counts_as_no_restoring) {
+  const Compiled c =
+      compile({count_event(EventKind::kContextPush), count_event(EventKind::kContextPop, 0)});
+  EXPECT_EQ(c.counts.events[static_cast<std::size_t>(EventKind::kContextPop)], 0u);
+  EXPECT_EQ(c.counts.context_restores, 0u);
+}
+
+TEST(LaneOps, a_stack_within_its_depth_leaves_no_operation_behind) {
+  const Compiled c = compile({count_event(EventKind::kPush, 8), count_event(EventKind::kPop),
+                              count_event(EventKind::kPush), count_event(EventKind::kPop, 8)});
+  EXPECT_EQ(c.codes(), std::vector<Code>{Code::kEnd});
+  EXPECT_EQ(c.counts.stack_pushed, 9u);
+  EXPECT_EQ(c.counts.stack_popped, 9u);
+  EXPECT_EQ(c.counts.stack_spills, 0u);
+}
+
+TEST(LaneOps, the_oldest_entries_leave_for_the_lanes_memory_and_come_back_last) {
+  // Nine entries of eight bytes: the oldest four make room and return when the five are gone.
+  std::vector<Event> events = {count_event(EventKind::kPush, 9)};
+  events.insert(events.end(), 9, count_event(EventKind::kPop));
+  const Compiled c = compile(events);
+  ASSERT_EQ(c.codes(), (std::vector<Code>{Code::kStore, Code::kRead, Code::kEnd}));
+  for (std::size_t op = 0; op < 2; ++op) {
+    EXPECT_EQ(c.ops[op].line(), line_of(kSpill));
+    EXPECT_EQ(c.ops[op].sectors(), 0b0001);
+    EXPECT_EQ(c.ops[op].kind(), Traffic::kStack);
+  }
+  EXPECT_TRUE(c.ops[1].last());
+  EXPECT_EQ(c.counts.stack_spilled, 4u);
+  EXPECT_EQ(c.counts.stack_filled, 4u);
+  EXPECT_EQ(c.counts.fetches[static_cast<std::size_t>(Traffic::kStack)], 1u);
+}
+
+TEST(LaneOps, contexts_beyond_those_on_chip_lie_in_the_upper_half_of_the_lanes_memory) {
+  RtConfig config;
+  config.context_entries = 1;
+  const Event save = count_event(EventKind::kContextPush);
+  const Event group{EventKind::kContextPop, Traffic::kGroupNode, 1, 45, 8192};
+  const Compiled c = compile({save, save, group, group}, config);
+  ASSERT_EQ(c.codes(), (std::vector<Code>{Code::kStore, Code::kRead, Code::kEnd}));
+  EXPECT_EQ(c.ops[0].line(), line_of(kSpill + Bytes{kSpillBytesPerLane / 2}));
+  EXPECT_EQ(c.ops[1].line(), c.ops[0].line());
+}
+
+TEST(LaneOps, a_ray_that_pops_more_than_it_pushed_is_refused) {
+  EXPECT_THROW(compile({count_event(EventKind::kPush), count_event(EventKind::kPop, 2)}),
+               InternalError);
+}
+
+TEST(LaneOps, records_that_share_a_line_ask_for_it_once_and_for_each_sector_once) {
+  const Compiled c = compile({fetch(0, 48), fetch(48, 48, Traffic::kTriangle)});
+  ASSERT_EQ(c.codes(), (std::vector<Code>{Code::kRead, Code::kEnd}));
+  EXPECT_EQ(c.ops[0].sectors(), 0b0111);
+  EXPECT_TRUE(c.ops[0].last());
+  // The sector both records lie in is the first one's.
+  EXPECT_EQ(c.counts.sectors_wanted[static_cast<std::size_t>(Traffic::kNode)], 2u);
+  EXPECT_EQ(c.counts.sectors_wanted[static_cast<std::size_t>(Traffic::kTriangle)], 1u);
 }
 
 }  // namespace

@@ -191,8 +191,8 @@ class RayCompiler {
     return spill_ + Bytes{std::uint64_t{spilled_} * config_.stack_entry_bytes % kSpillArea};
   }
   Address context_address() const {
-    return spill_ + Bytes{kSpillArea + std::uint64_t{contexts_spilled_} * config_.context_bytes %
-                                           kSpillArea};
+    return spill_ + Bytes{kSpillArea +
+                          std::uint64_t{contexts_spilled_} * config_.context_bytes % kSpillArea};
   }
 
   void store(Address address, std::uint64_t bytes, Traffic kind) {
@@ -240,8 +240,7 @@ class RayCompiler {
       }
       // The record before it, in the same read, ended in this line.
       LaneOp& before = out_.back();
-      counts_.sectors_wanted[k] +=
-          sectors_in(static_cast<SectorMask>(sectors & ~before.sectors()));
+      counts_.sectors_wanted[k] += sectors_in(static_cast<SectorMask>(sectors & ~before.sectors()));
       before = before.with(sectors);
     });
   }

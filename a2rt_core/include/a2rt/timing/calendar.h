@@ -37,12 +37,12 @@ class Calendar {
 
   // Throws InternalError if `when` has passed.
   A2RT_INLINE void at(Cycles when, Component& who, std::uint32_t what, std::uint32_t value = 0) {
-    ++pending_;
     if (when.value - now_.value < kWheel) [[likely]] {  // neither far away nor in the past
       place(when.value % kWheel, {&who, what, value});
     } else {
       push_far(when, {&who, what, value});
     }
+    ++pending_;
   }
 
   // Moves to the next cycle that has appointments and keeps them all. Returns false if there are

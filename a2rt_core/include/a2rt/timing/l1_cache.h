@@ -91,7 +91,7 @@ class L1Cache final : public LineSink {
   }
   void enter_all(Cycles now, Port& port, Address line, Lookup& lookup);
   A2RT_NOINLINE void miss(Cycles now, Port& port, Address line, SectorMask missing, Traffic kind,
-            L1Client& client, std::uint32_t token, Lookup& result);
+                          L1Client& client, std::uint32_t token, Lookup& result);
   std::uint32_t find(std::uint64_t line) const;
   std::uint32_t obtain(std::uint64_t line, Traffic kind);
   // Takes `sectors` as misses as far as there is room; returns those taken.

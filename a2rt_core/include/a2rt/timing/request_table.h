@@ -98,8 +98,7 @@ class RequestTable {
     entry.in_flight = static_cast<SectorMask>(entry.in_flight & ~sectors);
     entry.arriving = static_cast<SectorMask>(entry.arriving | sectors);
     live_ -= !entry.busy();
-    const std::uint32_t waiting =
-        entry.lanes[0] | entry.lanes[1] | entry.lanes[2] | entry.lanes[3];
+    const std::uint32_t waiting = entry.lanes[0] | entry.lanes[1] | entry.lanes[2] | entry.lanes[3];
     // Sectors come in ascending order, so a lane's last one is the highest it wanted.
     std::uint32_t told = 0;
     for (std::uint32_t s = kSectorsPerLine; s-- > 0;) {

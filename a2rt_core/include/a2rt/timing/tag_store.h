@@ -1,5 +1,5 @@
-// Tags of a sectored set-associative cache with true LRU. Up to 16 ways are kept in packed sets; for
-// more, one hash table over all lines makes a fully associative cache as cheap to look up.
+// Tags of a sectored set-associative cache with true LRU. Up to 16 ways are kept in packed sets;
+// for more, one hash table over all lines makes a fully associative cache as cheap to look up.
 #pragma once
 
 #include <array>
@@ -36,8 +36,7 @@ class TagStore {
   }
   // The line will be looked up or inserted soon: brings what that touches into the host's caches.
   void prefetch(Address line) const {
-    packed_ ? packed_->prefetch(line_of(line))
-            : __builtin_prefetch(&buckets_[hash(line_of(line))]);
+    packed_ ? packed_->prefetch(line_of(line)) : __builtin_prefetch(&buckets_[hash(line_of(line))]);
   }
   // Those of the line's sectors that are valid.
   SectorMask valid(Address line) const {
