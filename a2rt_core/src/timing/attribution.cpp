@@ -39,7 +39,7 @@ void BusyCycles::mark_any(std::uint64_t from, std::uint64_t to) {
   }
 }
 
-std::uint64_t BusyCycles::take(Cycles to) {
+std::uint64_t BusyCycles::take_any(Cycles to) {
   std::uint64_t marked = 0;
   std::uint64_t at = taken_.value;
   // Beyond the window nothing is marked but long intervals.

@@ -59,26 +59,4 @@ bool Calendar::step() {
   return true;
 }
 
-void Calendar::serve(Cycles at) {
-  now_ = at;
-  if (!far_.empty()) {
-    pull_far();
-  }
-  const std::size_t index = now_.value % kWheel;
-  // Appointments made for this very cycle while it runs are appended and kept too.
-  std::uint64_t kept = 0;
-  for (std::uint32_t node = buckets_[index].first; node != kNil; ++kept) {
-    const Appointment appointment = nodes_[node].appointment;
-    appointment.who->wake(at, appointment.what, appointment.value);
-    const std::uint32_t next = nodes_[node].next;
-    nodes_[node].next = free_;
-    free_ = node;
-    node = next;
-  }
-  served_ += kept;
-  pending_ -= kept;
-  buckets_[index] = {};
-  occupied_[index / 64] &= ~(std::uint64_t{1} << (index % 64));
-}
-
 }  // namespace a2rt::timing

@@ -226,7 +226,7 @@ class RayCompiler {
 
   void begin_read() { line_ = ~std::uint64_t{0}; }
 
-  void record(std::uint64_t address, std::uint64_t bytes, Traffic kind) {
+  A2RT_NOINLINE void record(std::uint64_t address, std::uint64_t bytes, Traffic kind) {
     A2RT_CHECK(bytes > 0, "a ray fetches 0 bytes");
     const auto k = static_cast<std::size_t>(kind);
     ++counts_.fetches[k];

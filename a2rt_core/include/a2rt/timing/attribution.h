@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -68,11 +69,22 @@ class BusyCycles {
     }
   }
   // Cycles marked in [end of the last call, to).
-  std::uint64_t take(Cycles to);
+  A2RT_INLINE std::uint64_t take(Cycles to) {
+    const std::uint64_t bit = taken_.value % 64, n = to.value - taken_.value;
+    if (n - 1 >= 64 - bit || long_until_ > taken_) [[unlikely]] {
+      return take_any(to);
+    }
+    std::uint64_t& word = words_[taken_.value / 64 % words_.size()];
+    const std::uint64_t marked = word & ~std::uint64_t{0} >> (64 - n) << bit;
+    word &= ~marked;
+    taken_ = to;
+    return static_cast<std::uint64_t>(std::popcount(marked));
+  }
 
  private:
   static constexpr std::uint64_t kWindow = 4096 - 64;
   // No cycles, or more than a word holds.
+  std::uint64_t take_any(Cycles to);
   void mark_any(std::uint64_t from, std::uint64_t to);
   std::array<std::uint64_t, 64> words_{};
   Cycles taken_;

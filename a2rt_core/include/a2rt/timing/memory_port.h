@@ -9,6 +9,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "a2rt/base/inline.h"
 #include "a2rt/base/units.h"
 #include "a2rt/rt/event.h"
 #include "a2rt/timing/tag_store.h"
@@ -36,7 +37,7 @@ void for_each_sector(SectorMask mask, const F& f) {
 
 // Calls f(line, sectors) for each line that [address, address + bytes) touches, ascending.
 template <class F>
-void for_each_line(Address address, std::uint64_t bytes, const F& f) {
+A2RT_INLINE void for_each_line(Address address, std::uint64_t bytes, const F& f) {
   constexpr std::uint32_t kAll = (1u << kSectorsPerLine) - 1;
   const std::uint64_t first = address.value / kSectorBytes;
   const std::uint64_t end = (address.value + bytes - 1) / kSectorBytes;

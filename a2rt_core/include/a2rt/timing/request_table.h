@@ -46,7 +46,7 @@ class RequestTable {
       }
     }
     for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-      entry.lanes[s] |= (waits >> s & 1u) << lane;
+      entry.lanes[s] |= kSpread[waits][s] & 1u << lane;
     }
     const auto fresh = static_cast<SectorMask>(waits & ~(entry.in_flight | entry.to_send));
     if (fresh != 0) {
@@ -116,6 +116,16 @@ class RequestTable {
 
  private:
   static constexpr std::uint16_t kNil = 0xffff;
+  // For each mask of sectors: all bits of those in it.
+  static constexpr auto kSpread = [] {
+    std::array<std::array<std::uint32_t, kSectorsPerLine>, 1u << kSectorsPerLine> table{};
+    for (std::uint32_t mask = 0; mask < table.size(); ++mask) {
+      for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
+        table[mask][s] = 0u - (mask >> s & 1u);
+      }
+    }
+    return table;
+  }();
   static constexpr std::size_t kBuckets = 128;
   struct alignas(64) Entry {
     std::uint64_t line = 0;
