@@ -1,5 +1,7 @@
 #include "a2rt/workload/reference.h"
 
+#include <cmath>
+
 #include "a2rt/workload/driver_triangle.h"
 #include "a2rt/workload/ray_rules.h"
 
@@ -11,6 +13,11 @@ constexpr std::uint32_t kIgnore = 1;  // capture::AnyHitVerdict::kIgnore
 bool names(const Candidate& c, std::uint32_t instance, std::uint32_t geometry,
            std::uint32_t primitive) {
   return c.primitive == primitive && c.instance == instance && c.geometry == geometry;
+}
+
+// A ray that overflows on its way into an instance is no ray there; no unit traces it.
+bool is_finite(const Vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 // The search for one ray: what was found so far.
@@ -54,8 +61,12 @@ class Search {
     if ((ray_.flags & kRaySkipTriangles) != 0) {
       return;
     }
-    const DriverTriangleTest test(driver_transform_point(instance.world_to_object, ray_.origin),
-                                  driver_transform_direction(instance.world_to_object, ray_.dir));
+    const Vec3 origin = driver_transform_point(instance.world_to_object, ray_.origin);
+    const Vec3 dir = driver_transform_direction(instance.world_to_object, ray_.dir);
+    if (!is_finite(origin) || !is_finite(dir)) {
+      return;
+    }
+    const DriverTriangleTest test(origin, dir);
     const Geometry& geometry = blas.geometries[g];
     for (std::uint32_t p = 0; p < geometry.count; ++p) {
       const DriverTriangleHit found = test(blas.triangles[geometry.first + p]);

@@ -11,7 +11,8 @@ namespace a2rt {
 // shaders' verdicts in `candidates` (a candidate that no verdict names is accepted; an AABB is hit
 // only where an intersection was reported). Of several hits at the same t the first in order of
 // (instance, geometry, primitive) is returned. kRayTerminateOnFirstHit is ignored: the closest hit
-// is one of the hits such a ray may return.
+// is one of the hits such a ray may return. An instance in whose space the ray overflows is not
+// hit.
 Hit reference_hit(const Workload& workload, const Ray& ray, std::span<const Candidate> candidates);
 
 // Candidates of ray `index`.
