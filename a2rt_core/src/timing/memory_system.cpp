@@ -12,7 +12,8 @@ MemorySystem::MemorySystem(const MachineConfig& config, Calendar& calendar, Cale
       sinks_(config.sm.count),
       sm_calendars_(config.sm.count),
       sm_out_(config.sm.count),
-      sm_in_free_(config.sm.count) {
+      sm_in_free_(config.sm.count),
+      held_(config.sm.count) {
   const std::uint32_t slices = config.l2.channels * config.l2.slices_per_channel;
   for (std::uint32_t i = 0; i < slices; ++i) {
     slices_.push_back({TagStore(config.l2.slice_capacity, config.l2.ways, "l2"),
@@ -67,7 +68,22 @@ void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address line, Sector
   coming_.push_back({Address{requests_[index].local}, requests_[index].slice});
   const Cycles sent = sm_out_[sm].take(sm_calendars_[sm]->now(), leaves, sectors_in(sectors));
   crossbar_sectors_ += write ? sectors_in(sectors) : 0;
-  calendar_.at(sent + config_.l2.crossbar_latency, *this, kAtSlice, index);
+  const Cycles at_slice = sent + config_.l2.crossbar_latency;
+  if (holding_) {
+    held_[sm].push_back({at_slice, index});
+  } else {
+    calendar_.at(at_slice, *this, kAtSlice, index);
+  }
+}
+
+void MemorySystem::pass_on_requests() {
+  holding_ = false;
+  for (std::vector<Held>& held : held_) {
+    for (const Held& h : held) {
+      calendar_.at(h.at_slice, *this, kAtSlice, h.request);
+    }
+    held.clear();
+  }
 }
 
 void MemorySystem::prefetch_slices() {
