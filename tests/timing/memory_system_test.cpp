@@ -11,7 +11,7 @@ namespace {
 class Sink final : public LineSink {
  public:
   void fill(Cycles first, Address line, SectorMask sectors) override {
-    for_each_sector(sectors, [&](std::uint32_t s) {
+    for_each_bit(sectors, [&](std::uint32_t s) {
       arrived.push_back({first, line + Bytes{s * kSectorBytes}});
       first += Cycles{1};
     });

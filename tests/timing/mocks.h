@@ -27,8 +27,7 @@ inline Cycles drain(Calendar& calendar) {
 class RecordingClient final : public L1Client {
  public:
   void arrived(Cycles, std::uint32_t token, SectorMask sectors, const SectorTimes& when) override {
-    for_each_sector(sectors,
-                    [&](std::uint32_t s) { ready[token] = std::max(ready[token], when[s]); });
+    for_each_bit(sectors, [&](std::uint32_t s) { ready[token] = std::max(ready[token], when[s]); });
   }
   void unblocked(Cycles now) override { unblocked_at.push_back(now); }
   std::map<std::uint32_t, Cycles> ready;

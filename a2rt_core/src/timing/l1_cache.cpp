@@ -22,8 +22,8 @@ SectorMask lowest(SectorMask mask, std::uint32_t n) {
 Cycles departure(SectorMask sectors, const SectorTimes& ready) {
   Cycles leaves;
   std::uint64_t position = 0;
-  for_each_sector(
-      sectors, [&](std::uint32_t s) { leaves = std::max(leaves, ready[s] - Cycles{position++}); });
+  for_each_bit(sectors,
+               [&](std::uint32_t s) { leaves = std::max(leaves, ready[s] - Cycles{position++}); });
   return leaves;
 }
 
@@ -78,7 +78,7 @@ SectorMask L1Cache::take_misses(std::uint32_t& index, Address line, SectorMask s
   SectorMask merging = 0;
   if (index != kNil) {
     const Pending& pending = pending_[index];
-    for_each_sector(static_cast<SectorMask>(sectors & pending.sectors), [&](std::uint32_t s) {
+    for_each_bit(static_cast<SectorMask>(sectors & pending.sectors), [&](std::uint32_t s) {
       if (pending.merged[s] < config_.merges) {
         merging = static_cast<SectorMask>(merging | 1u << s);
       }
@@ -95,7 +95,7 @@ SectorMask L1Cache::take_misses(std::uint32_t& index, Address line, SectorMask s
     index = obtain(line_of(line), kind);
   }
   Pending& pending = pending_[index];
-  for_each_sector(taken, [&](std::uint32_t s) { ++pending.merged[s]; });
+  for_each_bit(taken, [&](std::uint32_t s) { ++pending.merged[s]; });
   pending.sectors = static_cast<SectorMask>(pending.sectors | added);
   mshrs_used_ += sectors_in(added);
   counts_.merges[static_cast<std::size_t>(kind)] += sectors_in(merging);
@@ -107,7 +107,7 @@ SectorMask L1Cache::take_misses(std::uint32_t& index, Address line, SectorMask s
 A2RT_INLINE void L1Cache::enter_all(Cycles now, Port& port, Address line, Lookup& lookup) {
   const std::uint64_t base = line.value / kSectorBytes;
   if (!port.simple()) {
-    for_each_sector(lookup.accepted, [&](std::uint32_t s) {
+    for_each_bit(lookup.accepted, [&](std::uint32_t s) {
       lookup.ready[s] = enter(now, port, base + s) + config_.latency;
     });
     return;
@@ -116,13 +116,12 @@ A2RT_INLINE void L1Cache::enter_all(Cycles now, Port& port, Address line, Lookup
   const Cycles first = banks_.base();
   const Cycles answered = first + config_.latency;
   std::uint64_t ahead = port.next(now).value - first.value, waited = 0;
-  for (std::uint32_t rest = lookup.accepted; rest != 0; rest &= rest - 1) {
-    const auto s = static_cast<std::uint32_t>(std::countr_zero(rest));
+  for_each_bit(lookup.accepted, [&](std::uint32_t s) {
     const std::uint64_t wait = banks_.take_from(base + s, ahead);
     waited += wait;
     ahead += wait;
     lookup.ready[s] = answered + Cycles{ahead++};
-  }
+  });
   counts_.bank_conflicts += waited;
   port.use_until(first + Cycles{ahead - 1}, sectors_in(lookup.accepted));
 }
@@ -192,7 +191,7 @@ void L1Cache::insert(Cycles now, Address line, SectorMask sectors, Traffic kind,
   }
   ++counts_.evictions;
   counts_.written_back += sectors_in(victim->dirty);
-  for_each_sector(victim->dirty, [&](std::uint32_t s) {
+  for_each_bit(victim->dirty, [&](std::uint32_t s) {
     lower_.request(now, sm_, Address{victim->line * kLineBytes}, static_cast<SectorMask>(1u << s),
                    victim->kinds[s], true);
   });
@@ -203,7 +202,7 @@ void L1Cache::insert(Cycles now, Address line, SectorMask sectors, Traffic kind,
 void L1Cache::answer(Cycles now, Pending& pending, SectorMask sectors) {
   SectorTimes arrives{};
   std::uint64_t i = 0;
-  for_each_sector(sectors, [&](std::uint32_t s) { arrives[s] = now + Cycles{i++}; });
+  for_each_bit(sectors, [&](std::uint32_t s) { arrives[s] = now + Cycles{i++}; });
   std::uint32_t* link = &pending.first;
   pending.last = kNil;
   while (*link != kNil) {
@@ -222,7 +221,7 @@ void L1Cache::answer(Cycles now, Pending& pending, SectorMask sectors) {
     }
     if (got != 0) {
       SectorTimes ready = arrives;
-      for_each_sector(got, [&](std::uint32_t s) { ready[s] = std::max(ready[s], w.earliest); });
+      for_each_bit(got, [&](std::uint32_t s) { ready[s] = std::max(ready[s], w.earliest); });
       w.client->arrived(now, w.token, got, ready);
     }
   }
@@ -241,7 +240,7 @@ void L1Cache::fill(Cycles now, Address line, SectorMask sectors) {
     insert(now, line, fresh, pending.kind, false);
   }
   pending.sectors = static_cast<SectorMask>(pending.sectors & ~sectors);
-  for_each_sector(sectors, [&](std::uint32_t s) { pending.merged[s] = 0; });
+  for_each_bit(sectors, [&](std::uint32_t s) { pending.merged[s] = 0; });
   answer(now, pending, sectors);
   if (pending.sectors == 0) {
     A2RT_CHECK(pending.first == kNil, "L1 reads wait for a sector that nobody fetches");

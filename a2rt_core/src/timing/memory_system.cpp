@@ -12,8 +12,7 @@ MemorySystem::MemorySystem(const MachineConfig& config, Calendar& calendar, Cale
       sinks_(config.sm.count),
       sm_calendars_(config.sm.count),
       sm_out_(config.sm.count),
-      sm_in_free_(config.sm.count),
-      held_(config.sm.count) {
+      sm_in_free_(config.sm.count) {
   const std::uint32_t slices = config.l2.channels * config.l2.slices_per_channel;
   for (std::uint32_t i = 0; i < slices; ++i) {
     slices_.push_back({TagStore(config.l2.slice_capacity, config.l2.ways, "l2"),
@@ -68,22 +67,7 @@ void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address line, Sector
   coming_.push_back({Address{requests_[index].local}, requests_[index].slice});
   const Cycles sent = sm_out_[sm].take(sm_calendars_[sm]->now(), leaves, sectors_in(sectors));
   crossbar_sectors_ += write ? sectors_in(sectors) : 0;
-  const Cycles at_slice = sent + config_.l2.crossbar_latency;
-  if (holding_) {
-    held_[sm].push_back({at_slice, index});
-  } else {
-    calendar_.at(at_slice, *this, kAtSlice, index);
-  }
-}
-
-void MemorySystem::pass_on_requests() {
-  holding_ = false;
-  for (std::vector<Held>& held : held_) {
-    for (const Held& h : held) {
-      calendar_.at(h.at_slice, *this, kAtSlice, h.request);
-    }
-    held.clear();
-  }
+  calendar_.at(sent + config_.l2.crossbar_latency, *this, kAtSlice, index);
 }
 
 void MemorySystem::prefetch_slices() {
@@ -189,7 +173,7 @@ void MemorySystem::split(Cycles start, std::uint32_t index, SectorMask hits) {
   l2_counts_.hits[static_cast<std::size_t>(whole.kind)] += sectors_in(hits);
   std::uint32_t position = 0, hit = 0;
   Cycles hits_ready;
-  for_each_sector(whole.sectors, [&](std::uint32_t s) {
+  for_each_bit(whole.sectors, [&](std::uint32_t s) {
     const Cycles own = core_time(start, position++);
     if (hits >> s & 1) {
       hits_ready = std::max(hits_ready, own - Cycles{hit++});
@@ -271,7 +255,7 @@ void MemorySystem::insert(Cycles now, std::uint32_t slice, std::uint64_t local, 
   }
   ++l2_counts_.evictions;
   l2_counts_.written_back += sectors_in(victim->dirty);
-  for_each_sector(victim->dirty, [&](std::uint32_t s) {
+  for_each_bit(victim->dirty, [&](std::uint32_t s) {
     const std::uint32_t index = allocate();
     Request& r = requests_[index];
     r = {};

@@ -5,9 +5,11 @@
 namespace a2rt::timing {
 
 PackedSets::PackedSets(std::uint64_t sets, std::uint32_t ways)
-    : sets_(sets), kinds_(sets * kMostWays), oldest_rank_(static_cast<std::uint8_t>(ways - 1)) {
+    : sets_(sets),
+      kinds_(sets * kMostWays),
+      wrap_(sets),
+      oldest_rank_(static_cast<std::uint8_t>(ways - 1)) {
   A2RT_CHECK(ways > 0 && ways <= kMostWays, "a packed set has 1 to 16 ways");
-  set_mask_ = std::has_single_bit(sets) ? sets - 1 : kUnused;
   for (Set& set : sets_) {
     set.line.fill(kUnused);
     for (std::uint32_t way = 0; way < kMostWays; ++way) {
@@ -18,7 +20,7 @@ PackedSets::PackedSets(std::uint64_t sets, std::uint32_t ways)
 
 std::optional<Victim> PackedSets::insert(Cycles now, std::uint64_t line, SectorMask sectors,
                                          Traffic kind, bool dirty, SectorResidence& residence) {
-  const std::size_t index = set_of(line);
+  const std::size_t index = wrap_.of(line);
   Set& set = sets_[index];
   std::optional<Victim> victim;
   std::uint32_t way = find(set, line);
@@ -34,12 +36,7 @@ std::optional<Victim> PackedSets::insert(Cycles now, std::uint64_t line, SectorM
     set.digest[way] = digest_of(line);
     set.valid[way] = set.dirty[way] = 0;
   }
-  SectorKinds& kinds = kinds_[index * kMostWays + way];
-  residence.leave(now, kinds, static_cast<SectorMask>(set.valid[way] & sectors));
-  for (std::uint32_t rest = sectors; rest != 0; rest &= rest - 1) {
-    kinds[static_cast<std::size_t>(std::countr_zero(rest))] = kind;
-  }
-  residence.enter(now, kind, std::popcount(sectors));
+  residence.replace(now, kinds_[index * kMostWays + way], set.valid[way], sectors, kind);
   set.valid[way] |= sectors;
   if (dirty) {
     set.dirty[way] |= sectors;

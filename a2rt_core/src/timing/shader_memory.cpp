@@ -18,18 +18,38 @@ constexpr std::uint64_t kPayloadWords = 64;  // per thread before the area is re
 constexpr std::uint64_t kWordBytes = 4;
 constexpr std::uint64_t kLanesPerSector = kSectorBytes / kWordBytes;  // of a payload word
 
-template <class F>
-void for_each_lane(std::uint32_t lanes, const F& f) {
-  for (; lanes != 0; lanes &= lanes - 1) {
-    f(static_cast<std::uint32_t>(std::countr_zero(lanes)));
-  }
-}
-
 std::uint64_t texel(std::uint32_t launch, std::uint32_t width) {
   const std::uint64_t x = launch % width, y = launch / width;
   const std::uint64_t tiles = (width + 7) / 8;
   return ((y / 4 * tiles + x / 8) * 32 + y % 4 * 8 + x % 8) * kWordBytes;
 }
+
+// Collects the sectors of a warp's lanes: neighbours mostly share one.
+class SectorList {
+ public:
+  explicit SectorList(std::vector<Address>& out) : out_(out) { out_.clear(); }
+
+  void add(std::uint64_t address, std::uint64_t bytes) {
+    for (std::uint64_t s = address / kSectorBytes; s <= (address + bytes - 1) / kSectorBytes; ++s) {
+      if (s != last_) {
+        sorted_ = sorted_ && (out_.empty() || last_ < s);
+        last_ = s;
+        out_.push_back(Address{s * kSectorBytes});
+      }
+    }
+  }
+  void finish() {
+    if (!sorted_) {
+      std::sort(out_.begin(), out_.end());
+      out_.erase(std::unique(out_.begin(), out_.end()), out_.end());
+    }
+  }
+
+ private:
+  std::vector<Address>& out_;
+  std::uint64_t last_ = ~std::uint64_t{0};
+  bool sorted_ = true;
+};
 
 }  // namespace
 
@@ -75,47 +95,16 @@ void ShaderAddresses::find_records(const SegmentWork& work, const WarpProgram& w
       !works_on_hit_[work.shader]) {
     return;
   }
-  for_each_lane(work.lanes, [&](std::uint32_t l) {
+  for_each_bit(work.lanes, [&](std::uint32_t l) {
     if (warp.last_ray(l) < workload_.driver_hits.size()) {
       __builtin_prefetch(&workload_.driver_hits[warp.last_ray(l)]);
       __builtin_prefetch(&workload_.rays[warp.last_ray(l)].tlas);
     }
   });
-  for_each_lane(work.lanes, [&](std::uint32_t l) {
+  for_each_bit(work.lanes, [&](std::uint32_t l) {
     out.by_hit |= std::uint32_t{record_of(warp.last_ray(l), out.record[l])} << l;
   });
 }
-
-namespace {
-
-// Collects the sectors of a warp's lanes: neighbours mostly share one.
-class SectorList {
- public:
-  explicit SectorList(std::vector<Address>& out) : out_(out) { out_.clear(); }
-
-  void add(std::uint64_t address, std::uint64_t bytes) {
-    for (std::uint64_t s = address / kSectorBytes; s <= (address + bytes - 1) / kSectorBytes; ++s) {
-      if (s != last_) {
-        sorted_ = sorted_ && (out_.empty() || last_ < s);
-        last_ = s;
-        out_.push_back(Address{s * kSectorBytes});
-      }
-    }
-  }
-  void finish() {
-    if (!sorted_) {
-      std::sort(out_.begin(), out_.end());
-      out_.erase(std::unique(out_.begin(), out_.end()), out_.end());
-    }
-  }
-
- private:
-  std::vector<Address>& out_;
-  std::uint64_t last_ = ~std::uint64_t{0};
-  bool sorted_ = true;
-};
-
-}  // namespace
 
 void ShaderAddresses::sectors(ShaderAccess access, std::uint32_t ordinal, const SegmentWork& work,
                               const WarpProgram& warp, const LaneRecords& records,
@@ -127,7 +116,7 @@ void ShaderAddresses::sectors(ShaderAccess access, std::uint32_t ordinal, const 
   const std::uint64_t streams = kStreams + (std::uint64_t{ordinal} << 32);
   switch (access) {
     case ShaderAccess::kBufferLoad:
-      for_each_lane(work.lanes, [&](std::uint32_t l) {
+      for_each_bit(work.lanes, [&](std::uint32_t l) {
         if ((records.by_hit >> l & 1) == 0) {
           list.add(streams + warp.launch(l) * kStreamBytes, bytes);
         } else if (offset + bytes <= kRecordBytes) {
@@ -138,12 +127,12 @@ void ShaderAddresses::sectors(ShaderAccess access, std::uint32_t ordinal, const 
       });
       break;
     case ShaderAccess::kBufferStore:
-      for_each_lane(work.lanes, [&](std::uint32_t l) {
+      for_each_bit(work.lanes, [&](std::uint32_t l) {
         list.add(streams + warp.launch(l) * kStreamBytes, kStreamBytes);
       });
       break;
     case ShaderAccess::kTexture:
-      for_each_lane(work.lanes, [&](std::uint32_t l) {
+      for_each_bit(work.lanes, [&](std::uint32_t l) {
         list.add(kTexels + (std::uint64_t{ordinal} << 28) + texel(warp.launch(l), width),
                  kWordBytes);
       });

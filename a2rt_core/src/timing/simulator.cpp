@@ -53,7 +53,6 @@ class Machine final : public SmHost {
   Calendar dram_calendar_, slice_calendar_;
   Cycles now_;  // start of the stretch that runs
   Cycles end_;  // last cycle in which anything happened
-  bool backwards_ = false;
   ShaderAddresses addresses_;
   MemorySystem memory_;
   std::vector<std::unique_ptr<Sm>> sms_;
@@ -151,13 +150,9 @@ void Machine::run_sm(std::size_t index, Cycles end) {
 // Every SM runs to the end of the stretch, or to where it takes a warp. Warps go to the SMs in the
 // order in which they ask, so the one that asks first goes on first.
 void Machine::run_sms(Cycles end) {
-  // There and back: the state of those that ran last is still in the host's caches.
-  backwards_ = !backwards_;
-  memory_.hold_requests();
   for (std::size_t i = 0; i < sms_.size(); ++i) {
-    run_sm(backwards_ ? sms_.size() - 1 - i : i, end);
+    run_sm(i, end);
   }
-  memory_.pass_on_requests();
   while (true) {
     const auto first = std::min_element(sms_.begin(), sms_.end(), [](const auto& a, const auto& b) {
       return a->turn() < b->turn();

@@ -242,8 +242,8 @@ void Sm::send(Cycles now, LsuEntry& entry) {
   entry.sectors = static_cast<SectorMask>(entry.sectors & ~found.accepted);
   if (found.hits != 0) {
     Warp& warp = warps_[entry.slot];
-    for_each_sector(found.hits,
-                    [&](std::uint32_t s) { warp.data = std::max(warp.data, found.ready[s]); });
+    for_each_bit(found.hits,
+                 [&](std::uint32_t s) { warp.data = std::max(warp.data, found.ready[s]); });
     warp.outstanding -= sectors_in(found.hits);
     data_known(now, entry.slot);
   }
@@ -278,7 +278,7 @@ void Sm::arrived(Cycles now, std::uint32_t token, SectorMask sectors, const Sect
   Warp& warp = warps_[token];
   A2RT_CHECK(warp.outstanding >= sectors_in(sectors),
              "load data came for a warp that loads nothing");
-  for_each_sector(sectors, [&](std::uint32_t s) { warp.data = std::max(warp.data, ready[s]); });
+  for_each_bit(sectors, [&](std::uint32_t s) { warp.data = std::max(warp.data, ready[s]); });
   warp.outstanding -= sectors_in(sectors);
   data_known(now, token);
 }

@@ -22,7 +22,7 @@ TagStore::TagStore(Bytes capacity, std::uint32_t ways, const char* name) {
   lines_.resize(lines);
   links_.resize(lines);
   sets_.resize(lines / per_set);
-  set_mask_ = std::has_single_bit(sets_.size()) ? sets_.size() - 1 : kNoMask;
+  wrap_ = Wrap(sets_.size());
   for (std::uint32_t i = 0; i < lines; ++i) {
     Set& set = sets_[i / per_set];
     lines_[i].tag = i / per_set;  // never used, but in its set
@@ -56,7 +56,7 @@ std::optional<Victim> TagStore::insert(Cycles now, Address line_address, SectorM
   std::optional<Victim> victim;
   std::uint32_t index = find(tag);
   if (index == kNoLine) {
-    index = sets_[set_of(tag)].oldest;
+    index = sets_[wrap_.of(tag)].oldest;
     Line& line = lines_[index];
     if (line.used) {
       victim = Victim{line.tag, line.dirty, line.kinds};
@@ -70,13 +70,7 @@ std::optional<Victim> TagStore::insert(Cycles now, Address line_address, SectorM
     buckets_[hash(tag)] = index;
   }
   Line& line = lines_[index];
-  residence_.leave(now, line.kinds, static_cast<SectorMask>(line.valid & sectors));
-  int added = 0;
-  for (std::uint32_t rest = sectors; rest != 0; rest &= rest - 1) {
-    line.kinds[static_cast<std::size_t>(std::countr_zero(rest))] = kind;
-    ++added;
-  }
-  residence_.enter(now, kind, added);
+  residence_.replace(now, line.kinds, line.valid, sectors, kind);
   line.valid |= sectors;
   if (dirty) {
     line.dirty |= sectors;

@@ -11,6 +11,7 @@
 #include "a2rt/base/error.h"
 #include "a2rt/base/units.h"
 #include "a2rt/timing/clock.h"
+#include "a2rt/timing/wrap.h"
 
 namespace a2rt::timing {
 
@@ -67,9 +68,8 @@ class Port {
 // The banks of a cache: one access per cycle each, reserved up to 63 cycles ahead.
 class Banks {
  public:
-  explicit Banks(std::uint32_t count) : taken_(count) {
+  explicit Banks(std::uint32_t count) : taken_(count), wrap_(count) {
     A2RT_CHECK(count > 0, "a cache has at least one bank");
-    mask_ = std::has_single_bit(count) ? count - 1 : kNoMask;
   }
   // Time has come to `now`; it only moves forward.
   void advance(Cycles now) {
@@ -86,10 +86,7 @@ class Banks {
       std::fill(taken_.begin(), taken_.end(), 0);
     }
   }
-  // Banks are a power of two on every machine we know; others pay for a division.
-  std::size_t of(std::uint64_t sector) const {
-    return mask_ != kNoMask ? sector & mask_ : sector % taken_.size();
-  }
+  std::size_t of(std::uint64_t sector) const { return wrap_.of(sector); }
   Cycles base() const { return base_; }
   // Reserves the first free cycle of the sector's bank from base() + `ahead` on; returns how much
   // later than that it is. Throws InternalError if it is too far away.
@@ -112,9 +109,8 @@ class Banks {
   }
 
  private:
-  static constexpr std::uint64_t kNoMask = ~std::uint64_t{0};
   std::vector<std::uint64_t> taken_;  // bit i: cycle base_ + i
-  std::uint64_t mask_ = 0;
+  Wrap wrap_;
   Cycles base_;
 };
 

@@ -9,6 +9,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "a2rt/base/bits.h"
 #include "a2rt/base/inline.h"
 #include "a2rt/base/units.h"
 #include "a2rt/rt/event.h"
@@ -27,14 +28,6 @@ inline std::uint32_t sectors_in(SectorMask mask) {
   constexpr std::array<std::uint8_t, 16> kOnes = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
   return kOnes[mask & 0xf];
 }
-// Calls f(sector) for each sector of the mask, ascending.
-template <class F>
-void for_each_sector(SectorMask mask, const F& f) {
-  for (std::uint32_t rest = mask; rest != 0; rest &= rest - 1) {
-    f(static_cast<std::uint32_t>(std::countr_zero(rest)));
-  }
-}
-
 // Calls f(line, sectors) for each line that [address, address + bytes) touches, ascending.
 template <class F>
 A2RT_INLINE void for_each_line(Address address, std::uint64_t bytes, const F& f) {

@@ -41,11 +41,6 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   void request(Cycles leaves, std::uint32_t sm, Address line, SectorMask sectors, Traffic kind,
                bool write) override;
 
-  // Between the two the SMs may run in any order: their requests go on in the SMs' order, as if
-  // they had run one after another.
-  void hold_requests() { holding_ = true; }
-  void pass_on_requests();
-
   // The slices run next: brings the tags of what they will look up and fill into the host's caches,
   // all at once. Changes nothing.
   void prefetch_slices();
@@ -127,12 +122,6 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   std::uint32_t free_ = kNil;
   std::uint64_t live_ = 0;
   std::vector<Coming> coming_;
-  struct Held {
-    Cycles at_slice;
-    std::uint32_t request;
-  };
-  std::vector<std::vector<Held>> held_;  // by SM
-  bool holding_ = false;
   CacheCounts l2_counts_;
   TrafficCounts dram_reads_{}, dram_writes_{};
   std::uint64_t crossbar_sectors_ = 0;

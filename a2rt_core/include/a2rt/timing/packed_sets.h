@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "a2rt/timing/sectors.h"
+#include "a2rt/timing/wrap.h"
 
 namespace a2rt::timing {
 
@@ -25,7 +26,7 @@ class PackedSets {
 
   // As in TagStore; `line` is a line number.
   SectorMask touch(std::uint64_t line, SectorMask wanted) {
-    Set& set = sets_[set_of(line)];
+    Set& set = sets_[wrap_.of(line)];
     const std::uint32_t way = find(set, line);
     if (way == kNoWay) {
       return 0;
@@ -37,12 +38,12 @@ class PackedSets {
     return found;
   }
   SectorMask valid(std::uint64_t line) const {
-    const Set& set = sets_[set_of(line)];
+    const Set& set = sets_[wrap_.of(line)];
     const std::uint32_t way = find(set, line);
     return way == kNoWay ? SectorMask{0} : set.valid[way];
   }
   void prefetch(std::uint64_t line) const {
-    const Set& set = sets_[set_of(line)];
+    const Set& set = sets_[wrap_.of(line)];
     __builtin_prefetch(&set);
     __builtin_prefetch(&set.line[0]);
     __builtin_prefetch(&set.line[kMostWays / 2]);
@@ -61,9 +62,6 @@ class PackedSets {
     std::array<std::uint64_t, kMostWays> line{};
   };
 
-  std::size_t set_of(std::uint64_t line) const {
-    return set_mask_ != kUnused ? line & set_mask_ : line % sets_.size();
-  }
   static std::uint8_t digest_of(std::uint64_t line) {
     return static_cast<std::uint8_t>((line * 0x9e3779b97f4a7c15u) >> 56);
   }
@@ -100,7 +98,7 @@ class PackedSets {
 
   std::vector<Set> sets_;
   std::vector<SectorKinds> kinds_;  // kMostWays per set
-  std::uint64_t set_mask_ = kUnused;
+  Wrap wrap_;
   std::uint8_t oldest_rank_;
 };
 

@@ -90,7 +90,7 @@ class RequestTable {
                "data came for a sector that was not under way");
     Cycles known = entry.arriving == 0 ? Cycles{0} : entry.known;
     std::array<std::uint32_t, kSectorsPerLine> lanes{};
-    for_each_sector(sectors, [&](std::uint32_t s) {
+    for_each_bit(sectors, [&](std::uint32_t s) {
       lanes[s] = std::exchange(entry.lanes[s], 0);
       known = std::max(known, ready[s]);
     });

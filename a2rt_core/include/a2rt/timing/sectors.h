@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "a2rt/base/bits.h"
 #include "a2rt/base/units.h"
 #include "a2rt/rt/event.h"
 
@@ -37,7 +38,12 @@ class SectorResidence {
  public:
   using Totals = std::array<std::uint64_t, static_cast<std::size_t>(Traffic::kCount)>;
 
-  void enter(Cycles now, Traffic kind, int sectors) { change(now, kind, sectors); }
+  // Sectors of one kind enter a line; those of them that are `valid` there make room.
+  void replace(Cycles now, SectorKinds& kinds, SectorMask valid, SectorMask sectors, Traffic kind) {
+    leave(now, kinds, static_cast<SectorMask>(valid & sectors));
+    for_each_bit(sectors, [&](std::uint32_t s) { kinds[s] = kind; });
+    change(now, kind, std::popcount(sectors));
+  }
   // Some sectors of a line leave; neighbours are mostly of one kind.
   void leave(Cycles now, const SectorKinds& kinds, SectorMask sectors) {
     for (std::uint32_t rest = sectors; rest != 0;) {

@@ -11,6 +11,7 @@
 #include "a2rt/rt/event.h"
 #include "a2rt/timing/packed_sets.h"
 #include "a2rt/timing/sectors.h"
+#include "a2rt/timing/wrap.h"
 
 namespace a2rt::timing {
 
@@ -79,16 +80,12 @@ class TagStore {
     }
     return index;
   }
-  // Sets are a power of two on every machine we know; others pay for a division.
-  std::uint64_t set_of(std::uint64_t line) const {
-    return set_mask_ != kNoMask ? line & set_mask_ : line % sets_.size();
-  }
   void make_newest(std::uint32_t index) {
     Links& links = links_[index];
     if (links.newer == kNoLine) {
       return;
     }
-    Set& set = sets_[set_of(lines_[index].tag)];
+    Set& set = sets_[wrap_.of(lines_[index].tag)];
     links_[links.newer].older = links.older;
     (links.older != kNoLine ? links_[links.older].newer : set.oldest) = links.newer;
     links = {set.newest, kNoLine};
@@ -96,9 +93,8 @@ class TagStore {
     set.newest = index;
   }
   void unlink_hash(std::uint32_t index);
-  static constexpr std::uint64_t kNoMask = ~std::uint64_t{0};
 
-  std::uint64_t set_mask_ = 0;
+  Wrap wrap_;
   std::uint32_t hash_shift_ = 0;
   std::vector<Line> lines_;
   std::vector<Links> links_;  // by line

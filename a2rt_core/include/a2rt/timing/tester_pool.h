@@ -126,9 +126,6 @@ class TesterPool {
   }
   // Gives the tests the first cycles with room; returns the cycle of the last.
   std::uint64_t reserve(std::uint64_t own, std::uint32_t tests) {
-    if (interval_ == 1) {
-      return reserve_single(own, tests);
-    }
     std::uint64_t cycle = own, start = own;
     for (std::uint32_t left = tests; left > 0; ++cycle) {
       cycle = first_not_full(cycle);
@@ -144,20 +141,6 @@ class TesterPool {
     }
     return start;
   }
-  // reserve() of testers that are busy for one cycle.
-  std::uint64_t reserve_single(std::uint64_t own, std::uint32_t tests) {
-    std::uint64_t cycle = own;
-    for (;; ++cycle) {
-      cycle = first_not_full(cycle);
-      const std::uint32_t room = count_ - busy_in(cycle);
-      occupy(cycle, std::min(tests, room));
-      if (tests <= room) {
-        return cycle;
-      }
-      tests -= room;
-    }
-  }
-
   std::uint32_t count_ = 0;
   Cycles latency_{1};
   std::uint64_t interval_ = 1;
