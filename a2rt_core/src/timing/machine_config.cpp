@@ -113,7 +113,7 @@ void read_rt(RtConfig& c, const Reader& r, std::uint64_t core_mhz) {
   const auto core = static_cast<std::int64_t>(core_mhz);
   r.within(c.mhz, "mhz", (core + kSlowestRt - 1) / kSlowestRt, core, "MHz",
            "RT unit clock: at most the core's, at least an eighth of it");
-  r(c.warps, "warps", 1, "warps", "places in the RT unit's warp buffer");
+  r.within(c.warps, "warps", 1, 64, "warps", "places in the RT unit's warp buffer");
   r(c.port_sectors, "port_sectors", 1, "sectors", "through the RT unit's L1 port per RT cycle");
   r(c.stack_entries, "stack_entries", 0, "entries", "on-chip stack per ray; 0 = unlimited");
   r.within(c.stack_entry_bytes, "stack_entry_bytes", 1, kSectorBytes, "bytes",

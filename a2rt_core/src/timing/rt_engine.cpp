@@ -44,6 +44,7 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
 
 void RtEngine::accept(Cycles now, std::uint32_t warp, LaneRays rays) {
   A2RT_CHECK(has_room(), "the RT unit was given a warp without having room");
+  account_series(now);
   account(now);
   std::uint32_t index = 0;
   while (slots_[index].used) {
@@ -51,6 +52,7 @@ void RtEngine::accept(Cycles now, std::uint32_t warp, LaneRays rays) {
   }
   Slot& slot = slots_[index];
   slot.used = true;
+  slot.rank = resident_;
   slot.judging = false;
   slot.warp = warp;
   slot.active = slot.suspended = slot.away = 0;
@@ -63,7 +65,7 @@ void RtEngine::accept(Cycles now, std::uint32_t warp, LaneRays rays) {
   A2RT_CHECK(slot.active > 0, "a warp without rays was sent to the RT unit");
   for (std::uint32_t l = 0; l < kLanes; ++l) {
     if (rays[l] != kNone) {
-      set_state(now, slot.lanes[l], LaneState::kRun);
+      set_state(now, slot.lanes[l], LaneState::kInUnit);
       run_lane(now, now, index, l);
     }
   }
@@ -80,8 +82,7 @@ void RtEngine::compile(Cycles now, std::uint32_t index, const LaneRays& rays) {
   slot.ops.clear();
   for (std::uint32_t l = 0; l < kLanes; ++l) {
     slot.lanes[l] = {};
-    slot.lanes[l].since = slot.lanes[l].started = slot.lanes[l].ready = now;
-    slot.lanes[l].ray = rays[l];
+    slot.lanes[l].started = now;
     first[l] = slot.ops.size();
     if (rays[l] != kNone) {
       events_.clear();
@@ -96,37 +97,38 @@ void RtEngine::compile(Cycles now, std::uint32_t index, const LaneRays& rays) {
   }
 }
 
-A2RT_INLINE void RtEngine::book_lane(Lane& lane, Cycles until, LaneReason reason) {
-  counts_.lane_cycles[static_cast<std::size_t>(reason)] += until.value - lane.since.value;
-  lane.since = until;
-}
-
 void RtEngine::set_state(Cycles now, Lane& lane, LaneState state) {
   switch (lane.state) {
-    case LaneState::kFetch:
-      book_lane(lane, now, LaneReason::kFetch);
-      --in_unit_;
-      break;
-    case LaneState::kRun:
-      // Booked up to its next cycle when that became known.
-      A2RT_CHECK(lane.since == now, "a lane's time is not booked up to its next cycle");
+    case LaneState::kInUnit:
       --in_unit_;
       break;
     case LaneState::kCandidate:
     case LaneState::kAtShader:
-      book_lane(lane, now, LaneReason::kShader);
+      end(LaneReason::kShader, now);
       --in_shader_;
       break;
     case LaneState::kDone:
-      book_lane(lane, now, LaneReason::kDone);
+      end(LaneReason::kDone, now);
       break;
     case LaneState::kNone:
-      A2RT_CHECK(lane.since == now, "a lane spent time in no state");
       break;
   }
   lane.state = state;
-  in_unit_ += state == LaneState::kFetch || state == LaneState::kRun;
-  in_shader_ += state == LaneState::kCandidate || state == LaneState::kAtShader;
+  switch (state) {
+    case LaneState::kInUnit:
+      ++in_unit_;
+      break;
+    case LaneState::kCandidate:
+    case LaneState::kAtShader:
+      begin(LaneReason::kShader, now);
+      ++in_shader_;
+      break;
+    case LaneState::kDone:
+      begin(LaneReason::kDone, now);
+      break;
+    case LaneState::kNone:
+      break;
+  }
 }
 
 A2RT_INLINE void RtEngine::kick_port(Cycles now) {
@@ -178,7 +180,7 @@ A2RT_INLINE Cycles RtEngine::run_tests(Cycles now, Cycles at, Lane& lane) {
     }
   }
   lane.op = next;
-  book_lane(lane, at, LaneReason::kTest);
+  lane_cycles(LaneReason::kTest) += at.value - start.value;
   testing_.mark(start, at);
   return at;
 }
@@ -218,28 +220,31 @@ void RtEngine::run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t
 A2RT_INLINE void RtEngine::read(Cycles now, std::uint32_t slot, std::uint32_t l, LaneOp op) {
   Slot& s = slots_[slot];
   Lane& lane = s.lanes[l];
-  A2RT_CHECK(lane.since == now, "a lane's time is not booked up to its next cycle");
-  std::uint16_t missing = 0;
+  const LaneOp* next = lane.op;
+  std::uint32_t missing = 0;
   Cycles ready = now;
   while (true) {
     missing += s.requests.add(now, l, op.line(), op.sectors(), op.kind(), ready);
     if (op.last()) {
       break;
     }
-    op = *lane.op++;
+    op = *next++;
   }
   // Many other lanes have their turn until this one reads on.
-  __builtin_prefetch(lane.op + kOpsPerHostLine);
-  lane.missing = missing;
+  __builtin_prefetch(next + kOpsPerHostLine);
+  lane.op = next;
   lane.ready = ready;
   if (missing > 0) {
-    lane.state = LaneState::kFetch;
+    lane.missing = static_cast<std::uint16_t>(missing);
+    begin(LaneReason::kFetch, now);
+    if (!s.requests.nothing_to_send()) {
+      ask(slot);
+    }
     kick_port(now);
     return;
   }
   // All of it is on its way to another lane already.
-  book_lane(lane, ready, LaneReason::kFetch);
-  lane.state = LaneState::kRun;
+  lane_cycles(LaneReason::kFetch) += ready.value - now.value;
   appoint(now, ready, slot, l);
 }
 
@@ -248,6 +253,7 @@ void RtEngine::suspend(Cycles now, std::uint32_t slot, std::uint32_t l, LaneOp o
   Lane& lane = s.lanes[l];
   lane.ordinal = static_cast<std::uint16_t>(op.count());
   lane.intersection = op.code() == LaneOp::Code::kIntersection;
+  account_series(now);
   account(now);
   set_state(now, lane, LaneState::kCandidate);
   ++s.suspended;
@@ -294,6 +300,7 @@ void RtEngine::candidates_done(Cycles now, std::uint32_t warp) {
 
 void RtEngine::end_ray(Cycles now, std::uint32_t slot, std::uint32_t l) {
   Slot& s = slots_[slot];
+  account_series(now);
   account(now);
   set_state(now, s.lanes[l], LaneState::kDone);
   host_.ray_time(s.warp, l, now - s.lanes[l].started);
@@ -320,10 +327,20 @@ void RtEngine::end_warp(Cycles now, std::uint32_t slot) {
       inactive * residence.value;
   counts_.warp_cycles += residence.value;
   s.used = false;
-  std::erase(by_age_, slot);
+  forget_rank(s.rank);
   --resident_;
   host_.rays_done(now, s.warp, now + config_.rt.return_latency);
   host_.slot_free(now);
+}
+
+// Those behind it move up.
+void RtEngine::forget_rank(std::uint32_t rank) {
+  by_age_.erase(by_age_.begin() + rank);
+  for (std::size_t r = rank; r < by_age_.size(); ++r) {
+    slots_[by_age_[r]].rank = static_cast<std::uint32_t>(r);
+  }
+  const std::uint64_t older = (std::uint64_t{1} << rank) - 1;
+  asking_ = (asking_ & older) | (asking_ >> 1 & ~older);
 }
 
 void RtEngine::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
@@ -363,8 +380,9 @@ void RtEngine::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
 void RtEngine::back_from_shader(Cycles now, std::uint32_t slot, std::uint32_t l) {
   Slot& s = slots_[slot];
   s.judging = --s.away > 0;
+  account_series(now);
   account(now);
-  set_state(now, s.lanes[l], LaneState::kRun);
+  set_state(now, s.lanes[l], LaneState::kInUnit);
   run_lane(now, now, slot, l);
   if (s.used) {
     maybe_judge(now, slot);
@@ -387,6 +405,10 @@ void RtEngine::account(Cycles now) {
     const std::uint64_t tests = testing_.take(now);
     attribution_.until(now, port_blocked_ ? 0 : tests, RtReason::kTest, reason());
   }
+}
+
+// Before what the series show changes.
+void RtEngine::account_series(Cycles now) {
   if (now > series_until_) {
     occupancy_.add(series_until_, now, resident_);
     active_series_.add(series_until_, now, in_unit_ + in_shader_);
@@ -395,6 +417,7 @@ void RtEngine::account(Cycles now) {
 }
 
 void RtEngine::finish(Cycles end) {
+  account_series(end);
   account(end);
   attribution_.check(end);
   counts_.port_cycles = port_.cycles_used();
@@ -407,8 +430,7 @@ void RtEngine::finish(Cycles end) {
 }
 
 std::string RtEngine::dump() const {
-  static constexpr const char* kStates[] = {"no ray",    "fetch",         "test",
-                                            "candidate", "at the shader", "done"};
+  static constexpr const char* kStates[] = {"no ray", "test", "candidate", "at the shader", "done"};
   std::string text = "rt[" + std::to_string(index_) + "]: " + std::to_string(resident_) + "/" +
                      std::to_string(slots_.size()) + " warps, port " +
                      (port_blocked_  ? "blocked by MSHRs"
@@ -421,10 +443,12 @@ std::string RtEngine::dump() const {
     }
     text += "  warp " + std::to_string(slot.warp) + " since cycle " +
             std::to_string(slot.arrived.value) + ":";
-    std::array<std::uint32_t, 6> states{};
+    std::array<std::uint32_t, std::size(kStates)> states{};
+    std::uint32_t fetching = 0;
     for (const Lane& lane : slot.lanes) {
-      ++states[static_cast<std::size_t>(lane.state)];
+      ++(lane.missing > 0 ? fetching : states[static_cast<std::size_t>(lane.state)]);
     }
+    text += " " + std::to_string(fetching) + " fetch";
     for (std::size_t i = 0; i < states.size(); ++i) {
       if (states[i] > 0) {
         text += " " + std::to_string(states[i]) + " " + kStates[i];

@@ -13,15 +13,6 @@ constexpr Cycles kBurst{8};
 
 }  // namespace
 
-A2RT_INLINE std::uint32_t RtEngine::oldest_with_requests() const {
-  for (const std::uint32_t slot : by_age_) {
-    if (!slots_[slot].requests.nothing_to_send()) {
-      return slot;
-    }
-  }
-  return kNone;
-}
-
 void RtEngine::send_store(Cycles now) {
   const Store store = stores_[stores_head_];
   l1_.write(now, port_, Address{store.line * kLineBytes}, store.sector, store.kind);
@@ -38,6 +29,9 @@ A2RT_INLINE void RtEngine::send_request(Cycles now, std::uint32_t slot) {
   const L1Cache::Lookup found =
       l1_.read(now, port_, next.line, next.sectors, next.kind, *this, slot << 16 | next.token);
   requests.sent(found.accepted);
+  if (requests.nothing_to_send()) {
+    asking_ &= asking_ - 1;  // the oldest of those that ask
+  }
   counts_.sectors_sent += sectors_in(found.accepted);
   port_blocked_ = found.mshrs_full;
   if (found.hits != 0) {
@@ -52,18 +46,15 @@ void RtEngine::run_port(Cycles now) {
   const std::uint64_t cycles_before = port_.cycles_used();
   const std::uint64_t conflicts_before = l1_.counts().bank_conflicts;
   const Cycles burst_end = now + kBurst;
-  bool more = true;
   while (!port_blocked_ && port_.next(now) < burst_end) {
     if (stores_head_ < stores_.size()) [[unlikely]] {
       send_store(now);
       continue;
     }
-    const std::uint32_t slot = oldest_with_requests();
-    if (slot == kNone) {
-      more = false;
+    if (asking_ == 0) {
       break;
     }
-    send_request(now, slot);
+    send_request(now, by_age_[static_cast<std::size_t>(std::countr_zero(asking_))]);
   }
   const std::uint64_t used = port_.cycles_used() - cycles_before;
   if (used > 0) {
@@ -74,8 +65,7 @@ void RtEngine::run_port(Cycles now) {
                        RtReason::kFetch);
     port_series_.add(end - Cycles{used}, end, 1);
   }
-  if (more && !port_blocked_ &&
-      (stores_head_ < stores_.size() || oldest_with_requests() != kNone)) {
+  if (stores_head_ < stores_.size() || asking_ != 0) {
     kick_port(now);
   }
 }
@@ -92,6 +82,18 @@ void RtEngine::unblocked(Cycles now) {
   kick_port(now);
 }
 
+// The lane has all lines of its read at `at`.
+A2RT_INLINE void RtEngine::proceed(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t l) {
+  Lane& lane = slots_[slot].lanes[l];
+  end(LaneReason::kFetch, at);
+  const Cycles next = lane.op->is_test() ? run_tests(now, at, lane) : at;
+  if (next > now) [[likely]] {
+    appoint(now, next, slot, l);
+  } else {
+    run_lane(now, next, slot, l);
+  }
+}
+
 // Lanes whose last line has a time go on from it.
 void RtEngine::settle(Cycles now, std::uint32_t slot, std::uint32_t token, SectorMask sectors,
                       const SectorTimes& ready) {
@@ -99,15 +101,9 @@ void RtEngine::settle(Cycles now, std::uint32_t slot, std::uint32_t token, Secto
   s.requests.arrived(token, sectors, ready, [&](std::uint32_t l, Cycles at, bool complete) {
     Lane& lane = s.lanes[l];
     lane.ready = std::max(lane.ready, at);
-    if (complete && --lane.missing == 0) {
-      book_lane(lane, lane.ready, LaneReason::kFetch);
-      lane.state = LaneState::kRun;
-      const Cycles next = lane.op->is_test() ? run_tests(now, lane.ready, lane) : lane.ready;
-      if (next > now) [[likely]] {
-        appoint(now, next, slot, l);
-      } else {
-        run_lane(now, next, slot, l);
-      }
+    lane.missing = static_cast<std::uint16_t>(lane.missing - complete);
+    if (lane.missing == 0) {
+      proceed(now, lane.ready, slot, l);
     }
   });
 }

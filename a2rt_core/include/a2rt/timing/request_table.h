@@ -10,10 +10,10 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "a2rt/base/error.h"
+#include "a2rt/base/inline.h"
 #include "a2rt/base/units.h"
 #include "a2rt/rt/event.h"
 #include "a2rt/timing/memory_port.h"
@@ -29,25 +29,21 @@ class RequestTable {
   // Lane `lane` wants these sectors of a line at `now`, of which it has not asked for any since it
   // last waited. Returns true if it has to wait for the line; of the sectors of known arrival the
   // last moves `ready`.
-  bool add(Cycles now, std::uint32_t lane, std::uint64_t line, SectorMask wanted, Traffic kind,
-           Cycles& ready) {
+  A2RT_INLINE bool add(Cycles now, std::uint32_t lane, std::uint64_t line, SectorMask wanted,
+                       Traffic kind, Cycles& ready) {
     const std::uint16_t index = obtain(now, line, kind);
     Entry& entry = entries_[index];
-    SectorMask waits = wanted;
-    if (entry.arriving != 0) {
-      if (entry.known <= now) {
-        entry.arriving = 0;
-      } else if ((wanted & entry.arriving) != 0) {
-        ready = std::max(ready, entry.known);
-        waits = static_cast<SectorMask>(wanted & ~entry.arriving);
-        if (waits == 0) {
-          return false;
-        }
+    if (entry.known <= now) {
+      entry.arriving = 0;
+    }
+    const auto waits = static_cast<SectorMask>(wanted & ~entry.arriving);
+    if (waits != wanted) [[unlikely]] {
+      ready = std::max(ready, entry.known);
+      if (waits == 0) {
+        return false;
       }
     }
-    for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-      entry.lanes[s] |= kSpread[waits][s] & 1u << lane;
-    }
+    entry.lanes |= kSpread[waits] & 1u << lane;
     const auto fresh = static_cast<SectorMask>(waits & ~(entry.in_flight | entry.to_send));
     if (fresh != 0) {
       live_ += !entry.busy();
@@ -84,24 +80,26 @@ class RequestTable {
   // each lane that wanted any: the cycle of its last one, and whether the lane waits for no more of
   // the line. `f` may add requests.
   template <class F>
-  void arrived(std::uint32_t token, SectorMask sectors, const SectorTimes& ready, const F& f) {
+  A2RT_INLINE void arrived(std::uint32_t token, SectorMask sectors, const SectorTimes& ready,
+                           const F& f) {
     Entry& entry = entries_[token];
     A2RT_CHECK((entry.in_flight & sectors) == sectors,
                "data came for a sector that was not under way");
+    const LaneMasks lanes = entry.lanes & kSpread[sectors];
+    const LaneMasks others = entry.lanes ^ lanes;
+    const std::uint32_t waiting = others[0] | others[1] | others[2] | others[3];
     Cycles known = entry.arriving == 0 ? Cycles{0} : entry.known;
-    std::array<std::uint32_t, kSectorsPerLine> lanes{};
-    for_each_bit(sectors, [&](std::uint32_t s) {
-      lanes[s] = std::exchange(entry.lanes[s], 0);
-      known = std::max(known, ready[s]);
-    });
+    for_each_bit(sectors, [&](std::uint32_t s) { known = std::max(known, ready[s]); });
+    entry.lanes = others;
     entry.known = known;
     entry.in_flight = static_cast<SectorMask>(entry.in_flight & ~sectors);
     entry.arriving = static_cast<SectorMask>(entry.arriving | sectors);
     live_ -= !entry.busy();
-    const std::uint32_t waiting = entry.lanes[0] | entry.lanes[1] | entry.lanes[2] | entry.lanes[3];
     // Sectors come in ascending order, so a lane's last one is the highest it wanted.
     std::uint32_t told = 0;
-    for (std::uint32_t s = kSectorsPerLine; s-- > 0;) {
+    for (std::uint32_t rest = sectors; rest != 0;) {
+      const auto s = static_cast<std::uint32_t>(std::bit_width(rest)) - 1;
+      rest ^= 1u << s;
       std::uint32_t tell = lanes[s] & ~told;
       told |= tell;
       for (; tell != 0; tell &= tell - 1) {
@@ -116,26 +114,27 @@ class RequestTable {
 
  private:
   static constexpr std::uint16_t kNil = 0xffff;
+  // For each sector of a line, a bit per lane. A vector, as all four change at once.
+  using LaneMasks [[gnu::vector_size(16)]] = std::uint32_t;
   // For each mask of sectors: all bits of those in it.
   static constexpr auto kSpread = [] {
-    std::array<std::array<std::uint32_t, kSectorsPerLine>, 1u << kSectorsPerLine> table{};
-    for (std::uint32_t mask = 0; mask < table.size(); ++mask) {
-      for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-        table[mask][s] = 0u - (mask >> s & 1u);
-      }
+    std::array<LaneMasks, 1u << kSectorsPerLine> table{};
+    for (std::uint32_t m = 0; m < table.size(); ++m) {
+      table[m] = LaneMasks{0u - (m & 1u), 0u - (m >> 1 & 1u), 0u - (m >> 2 & 1u), 0u - (m >> 3 & 1u)};
     }
     return table;
   }();
   static constexpr std::size_t kBuckets = 128;
   struct alignas(64) Entry {
+    LaneMasks lanes{};  // waiting
     std::uint64_t line = 0;
-    Cycles known;                                        // when all sectors of `arriving` are there
-    std::array<std::uint32_t, kSectorsPerLine> lanes{};  // waiting, bit per lane
+    Cycles known;  // when all sectors of `arriving` are there
     std::uint16_t hash_next = kNil, queue_next = kNil;
     SectorMask to_send = 0, in_flight = 0, arriving = 0;
     Traffic kind = Traffic::kNone;
     bool busy() const { return (to_send | in_flight) != 0; }
   };
+  static_assert(kSectorsPerLine == 4);
   std::size_t bucket(std::uint64_t line) const { return (line * 0x9e3779b97f4a7c15u) >> 57; }
   // Finds the line's entry or makes one.
   std::uint16_t obtain(Cycles now, std::uint64_t line, Traffic kind) {
@@ -145,7 +144,7 @@ class RequestTable {
     }
     return obtain_further(now, line, kind);
   }
-  std::uint16_t obtain_further(Cycles now, std::uint64_t line, Traffic kind);
+  A2RT_NOINLINE std::uint16_t obtain_further(Cycles now, std::uint64_t line, Traffic kind);
   void queue(std::uint16_t index) {
     entries_[index].queue_next = kNil;
     (first_ == kNil ? first_ : entries_[last_].queue_next) = index;
@@ -153,9 +152,9 @@ class RequestTable {
   }
 
   std::vector<Entry> entries_;
-  std::array<std::uint16_t, kBuckets> buckets_;
   std::uint16_t free_ = kNil, first_ = kNil, last_ = kNil;
   std::uint32_t live_ = 0;
+  std::array<std::uint16_t, kBuckets> buckets_;
 };
 
 }  // namespace a2rt::timing

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "a2rt/base/inline.h"
 #include "a2rt/timing/attribution.h"
 #include "a2rt/timing/budget.h"
 #include "a2rt/timing/calendar.h"
@@ -90,12 +91,11 @@ class RtEngine final : public Component, public L1Client {
 
  private:
   enum Wake : std::uint32_t { kLane, kNearLanes, kPort };
-  // kRun: in a tester, or its next cycle is known.
-  enum class LaneState : std::uint8_t { kNone, kFetch, kRun, kCandidate, kAtShader, kDone };
+  // kInUnit: waits for lines, is in a tester, or its next cycle is known.
+  enum class LaneState : std::uint8_t { kNone, kInUnit, kCandidate, kAtShader, kDone };
   struct Lane {
     const LaneOp* op = nullptr;  // next
-    Cycles since, started, ready;
-    std::uint32_t ray = kNone;
+    Cycles ready, started;
     std::uint16_t missing = 0;  // lines
     std::uint16_t ordinal = 0;
     LaneState state = LaneState::kNone;
@@ -104,6 +104,7 @@ class RtEngine final : public Component, public L1Client {
   static constexpr std::uint32_t kNear = 64;
   struct Slot {
     bool used = false, judging = false;
+    std::uint32_t rank = 0;  // by age among the resident warps
     std::uint32_t warp = 0;
     std::uint32_t active = 0;     // lanes not done
     std::uint32_t suspended = 0;  // lanes with a candidate, not yet sent
@@ -133,17 +134,25 @@ class RtEngine final : public Component, public L1Client {
   void end_ray(Cycles now, std::uint32_t slot, std::uint32_t lane);
   void end_warp(Cycles now, std::uint32_t slot);
   void set_state(Cycles now, Lane& lane, LaneState state);
-  void book_lane(Lane& lane, Cycles until, LaneReason reason);
-  void settle(Cycles now, std::uint32_t slot, std::uint32_t token, SectorMask sectors,
+  // A stay adds its end and subtracts its beginning, so nobody has to remember when it began.
+  void begin(LaneReason reason, Cycles at) { lane_cycles(reason) -= at.value; }
+  void end(LaneReason reason, Cycles at) { lane_cycles(reason) += at.value; }
+  std::uint64_t& lane_cycles(LaneReason reason) {
+    return counts_.lane_cycles[static_cast<std::size_t>(reason)];
+  }
+  void proceed(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
+  A2RT_NOINLINE void settle(Cycles now, std::uint32_t slot, std::uint32_t token, SectorMask sectors,
               const SectorTimes& ready);
   void kick_port(Cycles now);
   void run_port(Cycles now);
-  std::uint32_t oldest_with_requests() const;
+  void ask(std::uint32_t slot) { asking_ |= std::uint64_t{1} << slots_[slot].rank; }
+  void forget_rank(std::uint32_t rank);
   Address spill_memory(std::uint32_t slot, std::uint32_t lane) const;
   void send_store(Cycles now);
   void send_request(Cycles now, std::uint32_t slot);
   RtReason reason() const;
   void account(Cycles now);
+  void account_series(Cycles now);
 
   MachineConfig config_;
   std::uint32_t index_;
@@ -154,6 +163,7 @@ class RtEngine final : public Component, public L1Client {
   std::array<TesterPool, kTesters> pools_;
   std::vector<Slot> slots_;
   std::vector<std::uint32_t> by_age_;  // resident slots, oldest first
+  std::uint64_t asking_ = 0;           // bit per rank: has requests for the port
   std::uint32_t resident_ = 0;
   struct Store {
     std::uint64_t line;

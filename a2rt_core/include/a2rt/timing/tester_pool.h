@@ -28,6 +28,7 @@ class TesterPool {
       : count_(count),
         latency_(latency),
         interval_(interval.value),
+        simple_(interval.value == 1 && clock.same()),
         clock_(clock),
         busy_(kLeastRing),
         full_(kLeastRing / 64) {
@@ -43,17 +44,16 @@ class TesterPool {
 
   // Core cycle at which the last of `tests` ends if they can start from core cycle `at` on.
   A2RT_INLINE Cycles issue(Cycles at, std::uint32_t tests) {
-    const std::uint64_t own = clock_.from_core(at).value;
     tests_ += tests;
-    if (own >= first_ + kDisorder + 64) [[unlikely]] {
-      forget_before(own);
-    }
     // Mostly all can start at once, and no tester is busy for more than its first cycle.
-    if (interval_ == 1 && own - first_ <= ring_mask_ && busy_in(own) + tests <= count_) [[likely]] {
-      occupy(own, tests);
-      return clock_.to_core(Cycles{own} + latency_);
+    if (simple_ && at.value - first_ < kDisorder + 64) [[likely]] {
+      const std::uint32_t busy = busy_in(at.value) + tests;
+      if (busy <= count_) [[likely]] {
+        set_busy(at.value, busy);
+        return at + latency_;
+      }
     }
-    return issue_later(own, tests);
+    return issue_later(at, tests);
   }
 
   std::uint64_t tests() const { return tests_; }
@@ -65,8 +65,12 @@ class TesterPool {
 
  private:
   static constexpr std::size_t kLeastRing = 512;
-  A2RT_NOINLINE Cycles issue_later(std::uint64_t own, std::uint32_t tests) {
-    const std::uint64_t start = reserve(own, tests);
+  A2RT_NOINLINE Cycles issue_later(Cycles at, std::uint32_t tests) {
+    const std::uint64_t own = clock_.from_core(at).value;
+    if (own >= first_ + kDisorder + 64) [[unlikely]] {
+      forget_before(own);
+    }
+    const std::uint64_t start = interval_ == 1 ? reserve_single(own, tests) : reserve(own, tests);
     queued_cycles_ += start - own;
     return clock_.to_core(Cycles{start} + latency_);
   }
@@ -119,10 +123,23 @@ class TesterPool {
     }
     return count_ - most;
   }
-  void occupy(std::uint64_t cycle, std::uint32_t testers) {
-    std::uint16_t& busy = busy_in(cycle);
-    busy = static_cast<std::uint16_t>(busy + testers);
-    full_word(cycle) |= std::uint64_t{busy == count_} << (cycle % 64);
+  void set_busy(std::uint64_t cycle, std::uint32_t testers) {
+    busy_in(cycle) = static_cast<std::uint16_t>(testers);
+    full_word(cycle) |= std::uint64_t{testers == count_} << (cycle % 64);
+  }
+  // As reserve(), when a tester is busy for the cycle of its start only.
+  std::uint64_t reserve_single(std::uint64_t cycle, std::uint32_t tests) {
+    while (true) {
+      cycle = first_not_full(cycle);
+      const std::uint32_t busy = busy_in(cycle) + tests;
+      if (busy <= count_) {
+        set_busy(cycle, busy);
+        return cycle;
+      }
+      set_busy(cycle, count_);
+      tests = busy - count_;
+      ++cycle;
+    }
   }
   // Gives the tests the first cycles with room; returns the cycle of the last.
   std::uint64_t reserve(std::uint64_t own, std::uint32_t tests) {
@@ -136,7 +153,7 @@ class TesterPool {
       start = cycle;
       left -= taken;
       for (std::uint64_t c = cycle; c < cycle + interval_; ++c) {
-        occupy(c, taken);
+        set_busy(c, busy_in(c) + taken);
       }
     }
     return start;
@@ -144,6 +161,7 @@ class TesterPool {
   std::uint32_t count_ = 0;
   Cycles latency_{1};
   std::uint64_t interval_ = 1;
+  bool simple_ = true;
   ClockDomain clock_;
   std::vector<std::uint16_t> busy_;  // ring over cycles of the RT clock, from `first_` on
   std::vector<std::uint64_t> full_;  // bit per cycle of the ring: no tester is free
