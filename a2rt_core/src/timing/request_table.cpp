@@ -9,14 +9,15 @@ namespace a2rt::timing {
 
 RequestTable::RequestTable() {
   entries_.reserve(64);
-  buckets_.fill(kNil);
+  clear();
 }
 
 void RequestTable::clear() {
   A2RT_CHECK(live_ == 0, "requests of a warp that has ended are under way");
-  entries_.clear();
+  entries_.assign(1, {});
   buckets_.fill(kNil);
-  free_ = first_ = last_ = kNil;
+  free_ = kNil;
+  last_ = kQueue;
 }
 
 // Entries whose data has come are dropped on the way; a new one goes where the next of its lane's

@@ -237,9 +237,7 @@ A2RT_INLINE void RtEngine::read(Cycles now, std::uint32_t slot, std::uint32_t l,
   if (missing > 0) {
     lane.missing = static_cast<std::uint16_t>(missing);
     begin(LaneReason::kFetch, now);
-    if (!s.requests.nothing_to_send()) {
-      ask(slot);
-    }
+    update_asking(s);
     kick_port(now);
     return;
   }

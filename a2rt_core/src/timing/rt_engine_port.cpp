@@ -29,9 +29,7 @@ A2RT_INLINE void RtEngine::send_request(Cycles now, std::uint32_t slot) {
   const L1Cache::Lookup found =
       l1_.read(now, port_, next.line, next.sectors, next.kind, *this, slot << 16 | next.token);
   requests.sent(found.accepted);
-  if (requests.nothing_to_send()) {
-    asking_ &= asking_ - 1;  // the oldest of those that ask
-  }
+  update_asking(slots_[slot]);
   counts_.sectors_sent += sectors_in(found.accepted);
   port_blocked_ = found.mshrs_full;
   if (found.hits != 0) {

@@ -48,14 +48,16 @@ class RequestTable {
     if (fresh != 0) {
       live_ += !entry.busy();
       if (entry.to_send == 0) {
-        queue(index);
+        entry.queue_next = kNil;
+        entries_[last_].queue_next = index;
+        last_ = index;
       }
       entry.to_send = static_cast<SectorMask>(entry.to_send | fresh);
     }
     return true;
   }
 
-  bool nothing_to_send() const { return first_ == kNil; }
+  bool nothing_to_send() const { return last_ == kQueue; }
   struct Next {
     Address line;
     SectorMask sectors;
@@ -63,16 +65,19 @@ class RequestTable {
     std::uint32_t token;  // to be given back to arrived()
   };
   Next next() const {
-    const Entry& entry = entries_[first_];
-    return {Address{entry.line * kLineBytes}, entry.to_send, entry.kind, first_};
+    const std::uint16_t first = entries_[kQueue].queue_next;
+    const Entry& entry = entries_[first];
+    return {Address{entry.line * kLineBytes}, entry.to_send, entry.kind, first};
   }
   // Of the request shown by next(), `accepted` were taken by L1.
   void sent(SectorMask accepted) {
-    Entry& entry = entries_[first_];
+    const std::uint16_t first = entries_[kQueue].queue_next;
+    Entry& entry = entries_[first];
     entry.to_send = static_cast<SectorMask>(entry.to_send & ~accepted);
     entry.in_flight = static_cast<SectorMask>(entry.in_flight | accepted);
     if (entry.to_send == 0) {
-      first_ = entry.queue_next;
+      entries_[kQueue].queue_next = entry.queue_next;
+      last_ = last_ == first ? kQueue : last_;
     }
   }
 
@@ -86,26 +91,22 @@ class RequestTable {
     A2RT_CHECK((entry.in_flight & sectors) == sectors,
                "data came for a sector that was not under way");
     const LaneMasks lanes = entry.lanes & kSpread[sectors];
-    const LaneMasks others = entry.lanes ^ lanes;
-    const std::uint32_t waiting = others[0] | others[1] | others[2] | others[3];
-    Cycles known = entry.arriving == 0 ? Cycles{0} : entry.known;
-    for_each_bit(sectors, [&](std::uint32_t s) { known = std::max(known, ready[s]); });
-    entry.lanes = others;
-    entry.known = known;
+    entry.lanes ^= lanes;
     entry.in_flight = static_cast<SectorMask>(entry.in_flight & ~sectors);
+    const std::uint32_t waiting = entry.busy() ? any_of(entry.lanes) : 0;
+    // Sectors come in ascending order.
+    auto end = static_cast<std::uint32_t>(std::bit_width(unsigned{sectors}));
+    entry.known = std::max(ready[end - 1], entry.arriving == 0 ? Cycles{0} : entry.known);
     entry.arriving = static_cast<SectorMask>(entry.arriving | sectors);
     live_ -= !entry.busy();
-    // Sectors come in ascending order, so a lane's last one is the highest it wanted.
-    std::uint32_t told = 0;
-    for (std::uint32_t rest = sectors; rest != 0;) {
-      const auto s = static_cast<std::uint32_t>(std::bit_width(rest)) - 1;
-      rest ^= 1u << s;
-      std::uint32_t tell = lanes[s] & ~told;
-      told |= tell;
-      for (; tell != 0; tell &= tell - 1) {
-        const auto lane = static_cast<std::uint32_t>(std::countr_zero(tell));
-        f(lane, ready[s], (waiting >> lane & 1) == 0);
-      }
+    const auto tell = [&](std::uint32_t told, Cycles at) {
+      for_each_bit(told, [&](std::uint32_t lane) { f(lane, at, (waiting >> lane & 1) == 0); });
+    };
+    // A lane's last sector is the highest it wanted.
+    for (std::uint32_t left = any_of(lanes); left != 0;) {
+      const std::uint32_t told = lanes[--end] & left;
+      left ^= told;
+      tell(told, ready[end]);
     }
   }
 
@@ -114,13 +115,16 @@ class RequestTable {
 
  private:
   static constexpr std::uint16_t kNil = 0xffff;
+  static constexpr std::uint16_t kQueue = 0;  // no line: an entry before the first to be sent
   // For each sector of a line, a bit per lane. A vector, as all four change at once.
   using LaneMasks [[gnu::vector_size(16)]] = std::uint32_t;
+  static std::uint32_t any_of(LaneMasks lanes) { return lanes[0] | lanes[1] | lanes[2] | lanes[3]; }
   // For each mask of sectors: all bits of those in it.
   static constexpr auto kSpread = [] {
     std::array<LaneMasks, 1u << kSectorsPerLine> table{};
     for (std::uint32_t m = 0; m < table.size(); ++m) {
-      table[m] = LaneMasks{0u - (m & 1u), 0u - (m >> 1 & 1u), 0u - (m >> 2 & 1u), 0u - (m >> 3 & 1u)};
+      table[m] =
+          LaneMasks{0u - (m & 1u), 0u - (m >> 1 & 1u), 0u - (m >> 2 & 1u), 0u - (m >> 3 & 1u)};
     }
     return table;
   }();
@@ -145,14 +149,8 @@ class RequestTable {
     return obtain_further(now, line, kind);
   }
   A2RT_NOINLINE std::uint16_t obtain_further(Cycles now, std::uint64_t line, Traffic kind);
-  void queue(std::uint16_t index) {
-    entries_[index].queue_next = kNil;
-    (first_ == kNil ? first_ : entries_[last_].queue_next) = index;
-    last_ = index;
-  }
-
   std::vector<Entry> entries_;
-  std::uint16_t free_ = kNil, first_ = kNil, last_ = kNil;
+  std::uint16_t free_ = kNil, last_ = kQueue;
   std::uint32_t live_ = 0;
   std::array<std::uint16_t, kBuckets> buckets_;
 };

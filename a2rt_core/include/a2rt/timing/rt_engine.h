@@ -142,10 +142,13 @@ class RtEngine final : public Component, public L1Client {
   }
   void proceed(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
   A2RT_NOINLINE void settle(Cycles now, std::uint32_t slot, std::uint32_t token, SectorMask sectors,
-              const SectorTimes& ready);
+                            const SectorTimes& ready);
   void kick_port(Cycles now);
   void run_port(Cycles now);
-  void ask(std::uint32_t slot) { asking_ |= std::uint64_t{1} << slots_[slot].rank; }
+  void update_asking(const Slot& slot) {
+    asking_ &= ~(std::uint64_t{1} << slot.rank);
+    asking_ |= std::uint64_t{!slot.requests.nothing_to_send()} << slot.rank;
+  }
   void forget_rank(std::uint32_t rank);
   Address spill_memory(std::uint32_t slot, std::uint32_t lane) const;
   void send_store(Cycles now);
