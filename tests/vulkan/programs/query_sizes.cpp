@@ -2,7 +2,7 @@
 // glslang write them: a product, and a vector put together in a way that few modules use.
 #include <algorithm>
 
-#include "harness/app.h"
+#include "harness/query_dispatch.h"
 
 namespace {
 using namespace foreign;
@@ -65,33 +65,19 @@ void draw(App& app, void (*edit)(Words&)) {
   const auto original = shader_words("query.comp");
   Words words(original.begin(), original.end());
   edit(words);
-  constexpr std::uint32_t kGroupWidth = 8;
-  const VkSpecializationMapEntry entry{0, 0, sizeof(kGroupWidth)};
-  const VkSpecializationInfo constants{1, &entry, sizeof(kGroupWidth), &kGroupWidth};
   VkShaderModuleCreateInfo module{};
   module.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
   module.codeSize = words.size() * sizeof(std::uint32_t);
   module.pCode = words.data();
-  VkComputePipelineCreateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO;
-  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-  info.stage.pName = "main";
-  info.stage.pSpecializationInfo = &constants;
-  info.layout = app.layout();
-  check(vkCreateShaderModule(app.device(), &module, nullptr, &info.stage.module), "a module");
-  VkPipeline pipeline = VK_NULL_HANDLE;
-  check(vkCreateComputePipelines(app.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
-        "vkCreateComputePipelines");
-  app.run([&](VkCommandBuffer commands) {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, app.layout(), 0, 1, &set, 0,
-                            nullptr);
-    vkCmdDispatch(commands, kWidth / kGroupWidth, kHeight / 4, 1);
-    App::barrier(commands);
+  VkPipelineShaderStageCreateInfo stage{};
+  stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+  stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+  stage.pName = "main";
+  check(vkCreateShaderModule(app.device(), &module, nullptr, &stage.module), "a module");
+  run_query(app, stage, 0, set, [](VkCommandBuffer commands) {
+    vkCmdDispatch(commands, kWidth / kGroupWidth, kHeight / kGroupHeight, 1);
   });
-  vkDestroyPipeline(app.device(), pipeline, nullptr);
-  vkDestroyShaderModule(app.device(), info.stage.module, nullptr);
+  vkDestroyShaderModule(app.device(), stage.module, nullptr);
 }
 
 const Program by_product("query_product_size", [](App& app) { draw(app, multiply); });
