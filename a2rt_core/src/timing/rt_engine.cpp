@@ -28,6 +28,9 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
       slots_(config.rt.warps),
       port_(config.rt.port_sectors, ClockDomain(config.rt.mhz, config.core_mhz)),
       compiler_(config.rt) {
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    slots_[i].index = static_cast<std::uint32_t>(i);
+  }
   for (std::size_t t = 0; t < kTesters; ++t) {
     const TesterConfig& c = config.rt.testers[t];
     std::uint32_t count = share(c.count, index, config.sm.count);
@@ -46,33 +49,28 @@ void RtEngine::accept(Cycles now, std::uint32_t warp, LaneRays rays) {
   A2RT_CHECK(has_room(), "the RT unit was given a warp without having room");
   account_series(now);
   account(now);
-  std::uint32_t index = 0;
-  while (slots_[index].used) {
-    ++index;
-  }
-  Slot& slot = slots_[index];
+  Slot& slot = *std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return !s.used; });
   slot.used = true;
   slot.rank = resident_;
   slot.judging = false;
   slot.warp = warp;
   slot.active = slot.suspended = slot.away = 0;
   slot.requests.clear();
-  by_age_.push_back(index);
+  by_age_.push_back(&slot);
   slot.arrived = now;
   ++resident_;
   ++counts_.warps;
-  compile(now, index, rays);
+  compile(now, slot, rays);
   A2RT_CHECK(slot.active > 0, "a warp without rays was sent to the RT unit");
   for (std::uint32_t l = 0; l < kLanes; ++l) {
     if (rays[l] != kNone) {
       set_state(now, slot.lanes[l], LaneState::kInUnit);
-      run_lane(now, now, index, l);
+      run_lane(now, now, slot, l);
     }
   }
 }
 
-void RtEngine::compile(Cycles now, std::uint32_t index, const LaneRays& rays) {
-  Slot& slot = slots_[index];
+void RtEngine::compile(Cycles now, Slot& slot, const LaneRays& rays) {
   for (const std::uint32_t ray : rays) {
     if (ray != kNone) {
       source_.prefetch(ray);
@@ -87,7 +85,7 @@ void RtEngine::compile(Cycles now, std::uint32_t index, const LaneRays& rays) {
     if (rays[l] != kNone) {
       events_.clear();
       source_.events(rays[l], events_);
-      compiler_.compile(events_, spill_memory(index, l), slot.ops);
+      compiler_.compile(events_, spill_memory(slot, l), slot.ops);
       ++slot.active;
       ++counts_.rays;
     }
@@ -139,15 +137,15 @@ A2RT_INLINE void RtEngine::kick_port(Cycles now) {
   calendar_.at(port_.next(now), *this, kPort);
 }
 
-A2RT_INLINE void RtEngine::appoint(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t l) {
+A2RT_INLINE void RtEngine::appoint(Cycles now, Cycles at, Slot& slot, std::uint32_t l) {
   if (at.value - now.value >= kNear) [[unlikely]] {
-    calendar_.at(at, *this, kLane, slot * kLanes + l);
+    calendar_.at(at, *this, kLane, slot.index * kLanes + l);
     return;
   }
   const auto near = static_cast<std::uint32_t>(at.value % kNear);
-  std::uint32_t& lanes = slots_[slot].wake_at[near];
+  std::uint32_t& lanes = slot.wake_at[near];
   if (lanes == 0) {
-    calendar_.at(at, *this, kNearLanes, slot * kNear + near);
+    calendar_.at(at, *this, kNearLanes, slot.index * kNear + near);
   }
   lanes |= 1u << l;
 }
@@ -185,8 +183,8 @@ A2RT_INLINE Cycles RtEngine::run_tests(Cycles now, Cycles at, Lane& lane) {
   return at;
 }
 
-void RtEngine::run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t l) {
-  Lane& lane = slots_[slot].lanes[l];
+void RtEngine::run_lane(Cycles now, Cycles at, Slot& slot, std::uint32_t l) {
+  Lane& lane = slot.lanes[l];
   while (true) {
     if (lane.op->is_test()) {
       at = run_tests(now, at, lane);
@@ -217,14 +215,13 @@ void RtEngine::run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t
   }
 }
 
-A2RT_INLINE void RtEngine::read(Cycles now, std::uint32_t slot, std::uint32_t l, LaneOp op) {
-  Slot& s = slots_[slot];
-  Lane& lane = s.lanes[l];
+A2RT_INLINE void RtEngine::read(Cycles now, Slot& slot, std::uint32_t l, LaneOp op) {
+  Lane& lane = slot.lanes[l];
   const LaneOp* next = lane.op;
   std::uint32_t missing = 0;
   Cycles ready = now;
   while (true) {
-    missing += s.requests.add(now, l, op.line(), op.sectors(), op.kind(), ready);
+    missing += slot.requests.add(now, l, op.line(), op.sectors(), op.kind(), ready);
     if (op.last()) {
       break;
     }
@@ -237,7 +234,7 @@ A2RT_INLINE void RtEngine::read(Cycles now, std::uint32_t slot, std::uint32_t l,
   if (missing > 0) {
     lane.missing = static_cast<std::uint16_t>(missing);
     begin(LaneReason::kFetch, now);
-    update_asking(s);
+    update_asking(slot);
     kick_port(now);
     return;
   }
@@ -246,88 +243,82 @@ A2RT_INLINE void RtEngine::read(Cycles now, std::uint32_t slot, std::uint32_t l,
   appoint(now, ready, slot, l);
 }
 
-void RtEngine::suspend(Cycles now, std::uint32_t slot, std::uint32_t l, LaneOp op) {
-  Slot& s = slots_[slot];
-  Lane& lane = s.lanes[l];
+void RtEngine::suspend(Cycles now, Slot& slot, std::uint32_t l, LaneOp op) {
+  Lane& lane = slot.lanes[l];
   lane.ordinal = static_cast<std::uint16_t>(op.count());
   lane.intersection = op.code() == LaneOp::Code::kIntersection;
   account_series(now);
   account(now);
   set_state(now, lane, LaneState::kCandidate);
-  ++s.suspended;
+  ++slot.suspended;
   maybe_judge(now, slot);
 }
 
-void RtEngine::maybe_judge(Cycles now, std::uint32_t slot) {
-  Slot& s = slots_[slot];
-  if (s.judging || s.suspended == 0) {
+void RtEngine::maybe_judge(Cycles now, Slot& slot) {
+  if (slot.judging || slot.suspended == 0) {
     return;
   }
   const std::uint32_t threshold = config_.rt.callback_lanes;
-  const bool enough = threshold > 0 && s.suspended >= threshold;
-  if (!enough && s.active > s.suspended) {
+  const bool enough = threshold > 0 && slot.suspended >= threshold;
+  if (!enough && slot.active > slot.suspended) {
     return;
   }
-  s.jobs.clear();
+  slot.jobs.clear();
   for (std::uint32_t l = 0; l < kLanes; ++l) {
-    if (s.lanes[l].state == LaneState::kCandidate) {
-      set_state(now, s.lanes[l], LaneState::kAtShader);
-      s.jobs.push_back({l, s.lanes[l].ordinal, s.lanes[l].intersection});
+    if (slot.lanes[l].state == LaneState::kCandidate) {
+      set_state(now, slot.lanes[l], LaneState::kAtShader);
+      slot.jobs.push_back({l, slot.lanes[l].ordinal, slot.lanes[l].intersection});
     }
   }
-  s.away = s.suspended;
-  s.suspended = 0;
-  s.judging = true;
+  slot.away = slot.suspended;
+  slot.suspended = 0;
+  slot.judging = true;
   ++counts_.round_trips;
-  counts_.candidates += s.jobs.size();
-  host_.judge(now + config_.rt.callback_latency, s.warp, s.jobs);
+  counts_.candidates += slot.jobs.size();
+  host_.judge(now + config_.rt.callback_latency, slot.warp, slot.jobs);
 }
 
 void RtEngine::candidates_done(Cycles now, std::uint32_t warp) {
-  std::uint32_t slot = 0;
-  while (slot < slots_.size() && !(slots_[slot].used && slots_[slot].warp == warp)) {
-    ++slot;
-  }
-  A2RT_CHECK(slot < slots_.size() && slots_[slot].judging,
+  const auto slot =
+      std::find_if(by_age_.begin(), by_age_.end(), [&](const Slot* s) { return s->warp == warp; });
+  A2RT_CHECK(slot != by_age_.end() && (*slot)->judging,
              "shaders answered for a warp that had not asked");
-  Slot& s = slots_[slot];
-  for (const CandidateJob& job : s.jobs) {
-    calendar_.at(now + config_.rt.callback_latency, *this, kLane, slot * kLanes + job.lane);
+  for (const CandidateJob& job : (*slot)->jobs) {
+    calendar_.at(now + config_.rt.callback_latency, *this, kLane,
+                 (*slot)->index * kLanes + job.lane);
   }
 }
 
-void RtEngine::end_ray(Cycles now, std::uint32_t slot, std::uint32_t l) {
-  Slot& s = slots_[slot];
+void RtEngine::end_ray(Cycles now, Slot& slot, std::uint32_t l) {
   account_series(now);
   account(now);
-  set_state(now, s.lanes[l], LaneState::kDone);
-  host_.ray_time(s.warp, l, now - s.lanes[l].started);
-  if (--s.active == 0) {
+  set_state(now, slot.lanes[l], LaneState::kDone);
+  host_.ray_time(slot.warp, l, now - slot.lanes[l].started);
+  if (--slot.active == 0) {
     end_warp(now, slot);
   } else {
     maybe_judge(now, slot);
   }
 }
 
-void RtEngine::end_warp(Cycles now, std::uint32_t slot) {
-  Slot& s = slots_[slot];
-  A2RT_CHECK(s.requests.live() == 0, "a warp ended with requests under way");
+void RtEngine::end_warp(Cycles now, Slot& slot) {
+  A2RT_CHECK(slot.requests.live() == 0, "a warp ended with requests under way");
   std::uint32_t inactive = 0;
-  for (Lane& lane : s.lanes) {
+  for (Lane& lane : slot.lanes) {
     if (lane.state == LaneState::kDone) {
       set_state(now, lane, LaneState::kNone);
     } else {
       ++inactive;
     }
   }
-  const Cycles residence = now - s.arrived;
+  const Cycles residence = now - slot.arrived;
   counts_.lane_cycles[static_cast<std::size_t>(LaneReason::kInactive)] +=
       inactive * residence.value;
   counts_.warp_cycles += residence.value;
-  s.used = false;
-  forget_rank(s.rank);
+  slot.used = false;
+  forget_rank(slot.rank);
   --resident_;
-  host_.rays_done(now, s.warp, now + config_.rt.return_latency);
+  host_.rays_done(now, slot.warp, now + config_.rt.return_latency);
   host_.slot_free(now);
 }
 
@@ -335,7 +326,7 @@ void RtEngine::end_warp(Cycles now, std::uint32_t slot) {
 void RtEngine::forget_rank(std::uint32_t rank) {
   by_age_.erase(by_age_.begin() + rank);
   for (std::size_t r = rank; r < by_age_.size(); ++r) {
-    slots_[by_age_[r]].rank = static_cast<std::uint32_t>(r);
+    by_age_[r]->rank = static_cast<std::uint32_t>(r);
   }
   const std::uint64_t older = (std::uint64_t{1} << rank) - 1;
   asking_ = (asking_ & older) | (asking_ >> 1 & ~older);
@@ -345,11 +336,11 @@ void RtEngine::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
   calendar_.progress();
   switch (what) {
     case kNearLanes: {
-      const std::uint32_t slot = value / kNear;
-      std::uint32_t lanes = std::exchange(slots_[slot].wake_at[value % kNear], 0);
+      Slot& slot = slots_[value / kNear];
+      std::uint32_t lanes = std::exchange(slot.wake_at[value % kNear], 0);
       for (; lanes != 0; lanes &= lanes - 1) {
         const auto l = static_cast<std::uint32_t>(std::countr_zero(lanes));
-        Lane& lane = slots_[slot].lanes[l];
+        Lane& lane = slot.lanes[l];
         if (lane.op->code() == LaneOp::Code::kRead) [[likely]] {
           read(now, slot, l, *lane.op++);
         } else {
@@ -362,8 +353,9 @@ void RtEngine::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
       run_port(now);
       return;
     case kLane: {
-      const std::uint32_t slot = value / kLanes, l = value % kLanes;
-      if (slots_[slot].lanes[l].state == LaneState::kAtShader) {
+      Slot& slot = slots_[value / kLanes];
+      const std::uint32_t l = value % kLanes;
+      if (slot.lanes[l].state == LaneState::kAtShader) {
         back_from_shader(now, slot, l);
       } else {
         run_lane(now, now, slot, l);
@@ -375,14 +367,13 @@ void RtEngine::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
   }
 }
 
-void RtEngine::back_from_shader(Cycles now, std::uint32_t slot, std::uint32_t l) {
-  Slot& s = slots_[slot];
-  s.judging = --s.away > 0;
+void RtEngine::back_from_shader(Cycles now, Slot& slot, std::uint32_t l) {
+  slot.judging = --slot.away > 0;
   account_series(now);
   account(now);
-  set_state(now, s.lanes[l], LaneState::kInUnit);
+  set_state(now, slot.lanes[l], LaneState::kInUnit);
   run_lane(now, now, slot, l);
-  if (s.used) {
+  if (slot.used) {
     maybe_judge(now, slot);
   }
 }

@@ -23,13 +23,13 @@ void RtEngine::send_store(Cycles now) {
   }
 }
 
-A2RT_INLINE void RtEngine::send_request(Cycles now, std::uint32_t slot) {
-  RequestTable& requests = slots_[slot].requests;
+A2RT_INLINE void RtEngine::send_request(Cycles now, Slot& slot) {
+  RequestTable& requests = slot.requests;
   const RequestTable::Next next = requests.next();
-  const L1Cache::Lookup found =
-      l1_.read(now, port_, next.line, next.sectors, next.kind, *this, slot << 16 | next.token);
+  const L1Cache::Lookup found = l1_.read(now, port_, next.line, next.sectors, next.kind, *this,
+                                         slot.index << 16 | next.token);
   requests.sent(found.accepted);
-  update_asking(slots_[slot]);
+  update_asking(slot);
   counts_.sectors_sent += sectors_in(found.accepted);
   port_blocked_ = found.mshrs_full;
   if (found.hits != 0) {
@@ -52,7 +52,7 @@ void RtEngine::run_port(Cycles now) {
     if (asking_ == 0) {
       break;
     }
-    send_request(now, by_age_[static_cast<std::size_t>(std::countr_zero(asking_))]);
+    send_request(now, *by_age_[static_cast<std::size_t>(std::countr_zero(asking_))]);
   }
   const std::uint64_t used = port_.cycles_used() - cycles_before;
   if (used > 0) {
@@ -71,7 +71,7 @@ void RtEngine::run_port(Cycles now) {
 void RtEngine::arrived(Cycles now, std::uint32_t token, SectorMask sectors,
                        const SectorTimes& ready) {
   calendar_.progress();
-  settle(now, token >> 16, token & 0xffff, sectors, ready);
+  settle(now, slots_[token >> 16], token & 0xffff, sectors, ready);
 }
 
 void RtEngine::unblocked(Cycles now) {
@@ -81,8 +81,8 @@ void RtEngine::unblocked(Cycles now) {
 }
 
 // The lane has all lines of its read at `at`.
-A2RT_INLINE void RtEngine::proceed(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t l) {
-  Lane& lane = slots_[slot].lanes[l];
+A2RT_INLINE void RtEngine::proceed(Cycles now, Cycles at, Slot& slot, std::uint32_t l) {
+  Lane& lane = slot.lanes[l];
   end(LaneReason::kFetch, at);
   const Cycles next = lane.op->is_test() ? run_tests(now, at, lane) : at;
   if (next > now) [[likely]] {
@@ -93,11 +93,10 @@ A2RT_INLINE void RtEngine::proceed(Cycles now, Cycles at, std::uint32_t slot, st
 }
 
 // Lanes whose last line has a time go on from it.
-void RtEngine::settle(Cycles now, std::uint32_t slot, std::uint32_t token, SectorMask sectors,
+void RtEngine::settle(Cycles now, Slot& slot, std::uint32_t token, SectorMask sectors,
                       const SectorTimes& ready) {
-  Slot& s = slots_[slot];
-  s.requests.arrived(token, sectors, ready, [&](std::uint32_t l, Cycles at, bool complete) {
-    Lane& lane = s.lanes[l];
+  slot.requests.arrived(token, sectors, ready, [&](std::uint32_t l, Cycles at, bool complete) {
+    Lane& lane = slot.lanes[l];
     lane.ready = std::max(lane.ready, at);
     lane.missing = static_cast<std::uint16_t>(lane.missing - complete);
     if (lane.missing == 0) {
@@ -106,8 +105,8 @@ void RtEngine::settle(Cycles now, std::uint32_t slot, std::uint32_t token, Secto
   });
 }
 
-Address RtEngine::spill_memory(std::uint32_t slot, std::uint32_t lane) const {
-  const std::uint64_t thread = (std::uint64_t{index_} * slots_.size() + slot) * kLanes + lane;
+Address RtEngine::spill_memory(const Slot& slot, std::uint32_t lane) const {
+  const std::uint64_t thread = (std::uint64_t{index_} * slots_.size() + slot.index) * kLanes + lane;
   return kSpillBase + Bytes{thread * kSpillBytesPerLane};
 }
 

@@ -103,8 +103,9 @@ class RtEngine final : public Component, public L1Client {
   };
   static constexpr std::uint32_t kNear = 64;
   struct Slot {
+    std::uint32_t index = 0;  // in slots_
+    std::uint32_t rank = 0;   // by age among the resident warps
     bool used = false, judging = false;
-    std::uint32_t rank = 0;  // by age among the resident warps
     std::uint32_t warp = 0;
     std::uint32_t active = 0;     // lanes not done
     std::uint32_t suspended = 0;  // lanes with a candidate, not yet sent
@@ -118,21 +119,21 @@ class RtEngine final : public Component, public L1Client {
     std::vector<CandidateJob> jobs;
   };
   // Fetches and compiles the rays of a new warp.
-  void compile(Cycles now, std::uint32_t slot, const LaneRays& rays);
+  void compile(Cycles now, Slot& slot, const LaneRays& rays);
   // The lane goes on in cycle `at`, which may be later than `now`.
-  void run_lane(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
+  void run_lane(Cycles now, Cycles at, Slot& slot, std::uint32_t lane);
   Cycles run_tests(Cycles now, Cycles at, Lane& lane);
   Cycles issue(Cycles at, Tester tester, std::uint32_t count);
   [[noreturn]] void fail_without(Tester tester) const;
-  void appoint(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
+  void appoint(Cycles now, Cycles at, Slot& slot, std::uint32_t lane);
   // Asks for the lines of a read, of which `op` is the first. The lane waits for those of unknown
   // arrival, or goes on when the others are there.
-  void read(Cycles now, std::uint32_t slot, std::uint32_t lane, LaneOp op);
-  void suspend(Cycles now, std::uint32_t slot, std::uint32_t lane, LaneOp op);
-  void maybe_judge(Cycles now, std::uint32_t slot);
-  void back_from_shader(Cycles now, std::uint32_t slot, std::uint32_t lane);
-  void end_ray(Cycles now, std::uint32_t slot, std::uint32_t lane);
-  void end_warp(Cycles now, std::uint32_t slot);
+  void read(Cycles now, Slot& slot, std::uint32_t lane, LaneOp op);
+  void suspend(Cycles now, Slot& slot, std::uint32_t lane, LaneOp op);
+  void maybe_judge(Cycles now, Slot& slot);
+  void back_from_shader(Cycles now, Slot& slot, std::uint32_t lane);
+  void end_ray(Cycles now, Slot& slot, std::uint32_t lane);
+  void end_warp(Cycles now, Slot& slot);
   void set_state(Cycles now, Lane& lane, LaneState state);
   // A stay adds its end and subtracts its beginning, so nobody has to remember when it began.
   void begin(LaneReason reason, Cycles at) { lane_cycles(reason) -= at.value; }
@@ -140,8 +141,8 @@ class RtEngine final : public Component, public L1Client {
   std::uint64_t& lane_cycles(LaneReason reason) {
     return counts_.lane_cycles[static_cast<std::size_t>(reason)];
   }
-  void proceed(Cycles now, Cycles at, std::uint32_t slot, std::uint32_t lane);
-  A2RT_NOINLINE void settle(Cycles now, std::uint32_t slot, std::uint32_t token, SectorMask sectors,
+  void proceed(Cycles now, Cycles at, Slot& slot, std::uint32_t lane);
+  A2RT_NOINLINE void settle(Cycles now, Slot& slot, std::uint32_t token, SectorMask sectors,
                             const SectorTimes& ready);
   void kick_port(Cycles now);
   void run_port(Cycles now);
@@ -150,9 +151,9 @@ class RtEngine final : public Component, public L1Client {
     asking_ |= std::uint64_t{!slot.requests.nothing_to_send()} << slot.rank;
   }
   void forget_rank(std::uint32_t rank);
-  Address spill_memory(std::uint32_t slot, std::uint32_t lane) const;
+  Address spill_memory(const Slot& slot, std::uint32_t lane) const;
   void send_store(Cycles now);
-  void send_request(Cycles now, std::uint32_t slot);
+  void send_request(Cycles now, Slot& slot);
   RtReason reason() const;
   void account(Cycles now);
   void account_series(Cycles now);
@@ -165,8 +166,8 @@ class RtEngine final : public Component, public L1Client {
   RtHost& host_;
   std::array<TesterPool, kTesters> pools_;
   std::vector<Slot> slots_;
-  std::vector<std::uint32_t> by_age_;  // resident slots, oldest first
-  std::uint64_t asking_ = 0;           // bit per rank: has requests for the port
+  std::vector<Slot*> by_age_;  // resident warps', oldest first
+  std::uint64_t asking_ = 0;   // bit per rank: has requests for the port
   std::uint32_t resident_ = 0;
   struct Store {
     std::uint64_t line;
