@@ -235,14 +235,35 @@ TEST(Port, at_half_the_core_clock_opens_every_second_core_cycle) {
 
 TEST(Banks, refuse_a_cycle_that_is_taken) {
   Banks uut(2);
-  EXPECT_TRUE(uut.take(0, Cycles{0}));
-  EXPECT_FALSE(uut.take(0, Cycles{0}));
-  EXPECT_TRUE(uut.take(1, Cycles{0}));
-  EXPECT_TRUE(uut.take(0, Cycles{2}));
+  EXPECT_EQ(uut.free_from(0, Cycles{0}), Cycles{0});
+  uut.take(0, Cycles{0});
+  EXPECT_THROW(uut.take(0, Cycles{0}), InternalError);
+  EXPECT_EQ(uut.free_from(0, Cycles{0}), Cycles{1});
+  uut.take(1, Cycles{0});
+  uut.take(0, Cycles{2});
   uut.advance(Cycles{1});
-  EXPECT_TRUE(uut.take(0, Cycles{1}));
-  EXPECT_FALSE(uut.take(0, Cycles{2}));
+  EXPECT_EQ(uut.free_from(0, Cycles{1}), Cycles{1});
+  EXPECT_EQ(uut.free_from(0, Cycles{2}), Cycles{3});
+  EXPECT_THROW(uut.take(0, Cycles{2}), InternalError);
   EXPECT_THROW(uut.take(0, Cycles{65}), InternalError);
+}
+
+TEST(Banks, take_a_whole_message_or_nothing_of_it) {
+  Banks uut(8);
+  uut.take(4 + 2, Cycles{11});
+  EXPECT_FALSE(uut.take_all(1, Cycles{10}, kInTurn[0b0110]));
+  EXPECT_EQ(uut.free_from(4 + 1, Cycles{10}), Cycles{10});
+  EXPECT_TRUE(uut.take_all(0, Cycles{10}, kInTurn[0b0110]));
+  EXPECT_TRUE(uut.take_all(3, Cycles{10}, kTogether[0b0110]));
+  EXPECT_EQ(uut.free_from(2, Cycles{11}), Cycles{12});
+  EXPECT_EQ(uut.free_from(4 + 2, Cycles{10}), Cycles{12});
+  uut.advance(Cycles{200});
+  EXPECT_EQ(uut.free_from(2, Cycles{200}), Cycles{200});
+}
+
+TEST(Banks, leave_messages_to_their_sectors_where_sectors_of_a_line_share_a_bank) {
+  Banks uut(2);
+  EXPECT_FALSE(uut.take_all(0, Cycles{0}, kTogether[0b0101]));
 }
 
 }  // namespace

@@ -103,44 +103,22 @@ SectorMask L1Cache::take_misses(std::uint32_t& index, Address line, SectorMask s
   return taken;
 }
 
-// Sends the accepted sectors, in order; there is at least one.
-A2RT_INLINE void L1Cache::enter_all(Cycles now, Port& port, Address line, Lookup& lookup) {
+// Each sector in the first cycle in which the port and its bank are free.
+void L1Cache::enter_one_by_one(Cycles now, Port& port, Address line, SectorMask sectors,
+                               SectorTimes& ready) {
   const std::uint64_t base = line.value / kSectorBytes;
-  if (!port.simple()) {
-    for_each_bit(lookup.accepted, [&](std::uint32_t s) {
-      lookup.ready[s] = enter(now, port, base + s) + config_.latency;
-    });
-    return;
-  }
-  // One sector a cycle.
-  const Cycles first = banks_.base();
-  const Cycles answered = first + config_.latency;
-  std::uint64_t ahead = port.next(now).value - first.value, waited = 0;
-  for_each_bit(lookup.accepted, [&](std::uint32_t s) {
-    const std::uint64_t wait = banks_.take_from(base + s, ahead);
-    waited += wait;
-    ahead += wait;
-    lookup.ready[s] = answered + Cycles{ahead++};
+  for_each_bit(sectors, [&](std::uint32_t s) {
+    const std::size_t bank = banks_.of(base + s);
+    const Cycles wanted = port.next(now);
+    Cycles at = banks_.free_from(bank, wanted);
+    while (port.next(at) != at) {  // between edges of the port's clock
+      at = banks_.free_from(bank, port.next(at));
+    }
+    banks_.take(bank, at);
+    port.use(at);
+    counts_.bank_conflicts += at.value - wanted.value;
+    ready[s] = at + config_.latency;
   });
-  counts_.bank_conflicts += waited;
-  port.use_until(first + Cycles{ahead - 1}, sectors_in(lookup.accepted));
-}
-
-L1Cache::Lookup L1Cache::read(Cycles now, Port& port, Address line, SectorMask sectors,
-                              Traffic kind, L1Client& client, std::uint32_t token) {
-  banks_.advance(now);
-  Lookup result;
-  result.hits = tags_.touch(line, sectors);
-  result.accepted = result.hits;
-  counts_.hits[static_cast<std::size_t>(kind)] += sectors_in(result.hits);
-  const auto missing = static_cast<SectorMask>(sectors & ~result.hits);
-  if (missing != 0) {
-    miss(now, port, line, missing, kind, client, token, result);
-  } else {
-    enter_all(now, port, line, result);
-  }
-  counts_.reads[static_cast<std::size_t>(kind)] += sectors_in(result.accepted);
-  return result;
 }
 
 // Some of the sectors are not there: as many as there are MSHRs for are fetched.
@@ -160,7 +138,7 @@ void L1Cache::miss(Cycles now, Port& port, Address line, SectorMask missing, Tra
   if (result.accepted == 0) {
     return;
   }
-  enter_all(now, port, line, result);
+  enter(now, port, line, result.accepted, result.ready);
   if (taken != 0) {
     const auto last = static_cast<std::size_t>(std::bit_width(unsigned{taken})) - 1;
     add_waiter(pending_[index], {&client, token, kNil, result.ready[last], taken});
@@ -171,16 +149,15 @@ void L1Cache::miss(Cycles now, Port& port, Address line, SectorMask missing, Tra
 }
 
 void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind) {
-  Lookup sent;
-  sent.accepted = sectors;
+  SectorTimes sent{};
   banks_.advance(now);
-  enter_all(now, port, line, sent);
+  enter(now, port, line, sectors, sent);
   counts_.writes[static_cast<std::size_t>(kind)] += sectors_in(sectors);
   if (kind == Traffic::kStack) {
     insert(now, line, sectors, kind, true);
   } else {
     // Valid copies take the new data on the way down, so their state does not change.
-    lower_.request(departure(sectors, sent.ready), sm_, line, sectors, kind, true);
+    lower_.request(departure(sectors, sent), sm_, line, sectors, kind, true);
   }
 }
 

@@ -8,7 +8,7 @@ namespace a2rt {
 
 // Calls f(i) for each bit i that is set, ascending.
 template <class F>
-void for_each_bit(std::uint32_t mask, const F& f) {
+constexpr void for_each_bit(std::uint32_t mask, const F& f) {
   for (; mask != 0; mask &= mask - 1) {
     f(static_cast<std::uint32_t>(std::countr_zero(mask)));
   }

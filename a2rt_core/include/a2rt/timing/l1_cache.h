@@ -77,19 +77,9 @@ class L1Cache final : public LineSink {
     Traffic kind = Traffic::kNone;
   };
   std::size_t bucket(std::uint64_t line) const { return (line * 0x9e3779b97f4a7c15u) >> 55; }
-  // Cycle in which a sector enters its bank.
-  Cycles enter(Cycles now, Port& port, std::uint64_t sector) {
-    const std::size_t bank = banks_.of(sector);
-    Cycles at = port.next(now);
-    while (!banks_.take(bank, at)) [[unlikely]] {
-      const Cycles later = port.next(at + Cycles{1});
-      counts_.bank_conflicts += later.value - at.value;
-      at = later;
-    }
-    port.use(at);
-    return at;
-  }
-  void enter_all(Cycles now, Port& port, Address line, Lookup& lookup);
+  void enter(Cycles now, Port& port, Address line, SectorMask sectors, SectorTimes& ready);
+  A2RT_NOINLINE void enter_one_by_one(Cycles now, Port& port, Address line, SectorMask sectors,
+                                      SectorTimes& ready);
   A2RT_NOINLINE void miss(Cycles now, Port& port, Address line, SectorMask missing, Traffic kind,
                           L1Client& client, std::uint32_t token, Lookup& result);
   std::uint32_t find(std::uint64_t line) const;
@@ -115,5 +105,39 @@ class L1Cache final : public LineSink {
   std::vector<L1Client*> turned_away_;
   CacheCounts counts_;
 };
+
+// Sends the sectors through the port and their banks; there is at least one.
+A2RT_INLINE void L1Cache::enter(Cycles now, Port& port, Address line, SectorMask sectors,
+                                SectorTimes& ready) {
+  const Cycles first = port.next(now);
+  const std::uint32_t n = sectors_in(sectors);
+  const bool in_turn = port.simple();
+  const Passage& passage = in_turn ? kInTurn[sectors] : kTogether[sectors];
+  if ((in_turn || n <= port.room(first)) && banks_.take_all(line_of(line), first, passage)) {
+    in_turn ? port.use_in_turn(first, n) : port.use(first, n);
+    for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
+      ready[s] = first + config_.latency + Cycles{passage.after[s]};
+    }
+  } else {
+    enter_one_by_one(now, port, line, sectors, ready);
+  }
+}
+
+A2RT_INLINE L1Cache::Lookup L1Cache::read(Cycles now, Port& port, Address line, SectorMask sectors,
+                                          Traffic kind, L1Client& client, std::uint32_t token) {
+  banks_.advance(now);
+  Lookup result;
+  result.hits = tags_.touch(line, sectors);
+  counts_.hits[static_cast<std::size_t>(kind)] += sectors_in(result.hits);
+  if (result.hits == sectors) {
+    result.accepted = sectors;
+    enter(now, port, line, sectors, result.ready);
+  } else {
+    miss(now, port, line, static_cast<SectorMask>(sectors & ~result.hits), kind, client, token,
+         result);
+  }
+  counts_.reads[static_cast<std::size_t>(kind)] += sectors_in(result.accepted);
+  return result;
+}
 
 }  // namespace a2rt::timing
