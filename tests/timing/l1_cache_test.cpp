@@ -251,19 +251,28 @@ TEST(Banks, refuse_a_cycle_that_is_taken) {
 TEST(Banks, take_a_whole_message_or_nothing_of_it) {
   Banks uut(8);
   uut.take(4 + 2, Cycles{11});
-  EXPECT_FALSE(uut.take_all(1, Cycles{10}, kInTurn[0b0110]));
+  EXPECT_FALSE(uut.take_all(1, 0b0110, Cycles{10}, kInTurn[0b0110]));
   EXPECT_EQ(uut.free_from(4 + 1, Cycles{10}), Cycles{10});
-  EXPECT_TRUE(uut.take_all(0, Cycles{10}, kInTurn[0b0110]));
-  EXPECT_TRUE(uut.take_all(3, Cycles{10}, kTogether[0b0110]));
+  EXPECT_EQ(uut.take_all(0, 0b0110, Cycles{10}, kInTurn[0b0110]), Cycles{10});
+  EXPECT_EQ(uut.take_all(3, 0b0110, Cycles{10}, kTogether[0b0110]), Cycles{10});
   EXPECT_EQ(uut.free_from(2, Cycles{11}), Cycles{12});
   EXPECT_EQ(uut.free_from(4 + 2, Cycles{10}), Cycles{12});
   uut.advance(Cycles{200});
   EXPECT_EQ(uut.free_from(2, Cycles{200}), Cycles{200});
 }
 
+TEST(Banks, delay_a_message_until_its_first_sector_passes) {
+  Banks uut(4);
+  uut.take(1, Cycles{5});
+  uut.take(1, Cycles{6});
+  EXPECT_EQ(uut.take_all(0, 0b0110, Cycles{5}, kInTurn[0b0110]), Cycles{7});
+  EXPECT_EQ(uut.free_from(2, Cycles{7}), Cycles{7});
+  EXPECT_EQ(uut.free_from(2, Cycles{8}), Cycles{9});
+}
+
 TEST(Banks, leave_messages_to_their_sectors_where_sectors_of_a_line_share_a_bank) {
   Banks uut(2);
-  EXPECT_FALSE(uut.take_all(0, Cycles{0}, kTogether[0b0101]));
+  EXPECT_FALSE(uut.take_all(0, 0b0101, Cycles{0}, kTogether[0b0101]));
 }
 
 }  // namespace

@@ -7,10 +7,12 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "a2rt/base/bits.h"
 #include "a2rt/base/error.h"
+#include "a2rt/base/inline.h"
 #include "a2rt/base/units.h"
 #include "a2rt/timing/clock.h"
 #include "a2rt/timing/sectors.h"
@@ -30,8 +32,10 @@ class Port {
   Cycles next(Cycles now) const {
     return now <= free_ ? free_ : same_clock_ ? now : clock_.to_core(clock_.from_core(now));
   }
-  // How many uses may yet go through in `at`, which is next() of some cycle.
-  std::uint32_t room(Cycles at) const { return at >= following_ ? limit_ : limit_ - used_; }
+  // So many uses may go through in one core cycle: `at`, which is next() of some cycle, or a later.
+  bool fits(Cycles at, std::uint32_t uses) const {
+    return same_clock_ && uses <= (at >= following_ ? limit_ : limit_ - used_);
+  }
   // Uses the port in core cycle `at`, an edge of its clock. Throws InternalError if more than the
   // limit goes through in one cycle, or if time runs backwards.
   void use(Cycles at, std::uint32_t uses = 1) {
@@ -127,25 +131,30 @@ class Banks {
     }
   }
   std::size_t of(std::uint64_t sector) const { return wrap_.of(sector); }
-  // Reserves all cycles of the message's passage that starts at `first`; false, and nothing is
-  // reserved, if any is taken or if a line's sectors do not fall on banks of their own.
-  bool take_all(std::uint64_t line, Cycles first, const Passage& passage) {
-    const std::uint64_t ahead = first.value - base_.value;
+  // Sends the sectors of a line from `wanted` on in the order of `passage`, which only the first of
+  // them delays; returns when that passes. None is sent if another one finds its bank taken, or if
+  // the line's sectors do not fall on banks of their own.
+  A2RT_INLINE std::optional<Cycles> take_all(std::uint64_t line, SectorMask sectors, Cycles wanted,
+                                             const Passage& passage) {
+    std::uint64_t ahead = wanted.value - base_.value;
     if (ahead >= line_reach_) [[unlikely]] {
-      return false;
+      return std::nullopt;
     }
     Group& group = groups_[line & group_mask_];
+    const auto first = static_cast<std::size_t>(std::countr_zero(sectors));
+    const auto wait = static_cast<std::uint64_t>(std::countr_one(group[first] >> ahead));
+    ahead += wait;
     std::uint64_t clash = 0;
     for (std::size_t i = 0; i < group.size(); ++i) {
       clash |= group[i] & passage.cycles[i] << ahead;
     }
-    if (clash != 0) {
-      return false;
+    if (clash != 0 || ahead >= line_reach_) [[unlikely]] {
+      return std::nullopt;
     }
     for (std::size_t i = 0; i < group.size(); ++i) {
       group[i] |= passage.cycles[i] << ahead;
     }
-    return true;
+    return base_ + Cycles{ahead};
   }
   // First cycle from `at` on in which the bank is free. Throws InternalError if it is too far away.
   Cycles free_from(std::size_t bank, Cycles at) const {

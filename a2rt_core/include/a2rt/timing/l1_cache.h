@@ -109,14 +109,19 @@ class L1Cache final : public LineSink {
 // Sends the sectors through the port and their banks; there is at least one.
 A2RT_INLINE void L1Cache::enter(Cycles now, Port& port, Address line, SectorMask sectors,
                                 SectorTimes& ready) {
-  const Cycles first = port.next(now);
+  const Cycles wanted = port.next(now);
   const std::uint32_t n = sectors_in(sectors);
   const bool in_turn = port.simple();
   const Passage& passage = in_turn ? kInTurn[sectors] : kTogether[sectors];
-  if ((in_turn || n <= port.room(first)) && banks_.take_all(line_of(line), first, passage)) {
-    in_turn ? port.use_in_turn(first, n) : port.use(first, n);
+  std::optional<Cycles> first;
+  if (in_turn || port.fits(wanted, n)) {
+    first = banks_.take_all(line_of(line), sectors, wanted, passage);
+  }
+  if (first) {
+    in_turn ? port.use_in_turn(*first, n) : port.use(*first, n);
+    counts_.bank_conflicts += first->value - wanted.value;
     for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-      ready[s] = first + config_.latency + Cycles{passage.after[s]};
+      ready[s] = *first + config_.latency + Cycles{passage.after[s]};
     }
   } else {
     enter_one_by_one(now, port, line, sectors, ready);
