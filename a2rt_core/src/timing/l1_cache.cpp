@@ -9,6 +9,9 @@ namespace {
 
 // The lowest `n` sectors of the mask.
 SectorMask lowest(SectorMask mask, std::uint32_t n) {
+  if (n >= kSectorsPerLine) [[likely]] {
+    return mask;
+  }
   SectorMask kept = 0;
   for (; n > 0 && mask != 0; --n) {
     kept = static_cast<SectorMask>(kept | (mask & -mask));
@@ -34,15 +37,17 @@ L1Cache::L1Cache(const L1Config& config, LowerLevel& lower, std::uint32_t sm)
       lower_(lower),
       sm_(sm),
       tags_(config.capacity, config.ways, "l1"),
-      banks_(config.banks),
-      buckets_(512, kNil) {}
+      banks_(config.banks) {
+  buckets_.fill(kNil);
+}
 
-std::uint32_t L1Cache::find(std::uint64_t line) const {
-  std::uint32_t index = buckets_[bucket(line)];
-  while (index != kNil && pending_[index].line != line) {
-    index = pending_[index].next;
+// What points to the line's entry, or to nothing at the end of its bucket.
+std::uint32_t* L1Cache::find(std::uint64_t line) {
+  std::uint32_t* link = &buckets_[bucket(line)];
+  while (*link != kNil && pending_[*link].line != line) {
+    link = &pending_[*link].next;
   }
-  return index;
+  return link;
 }
 
 std::uint32_t L1Cache::obtain(std::uint64_t line, Traffic kind) {
@@ -54,12 +59,27 @@ std::uint32_t L1Cache::obtain(std::uint64_t line, Traffic kind) {
     free_pending_ = pending_[index].next;
   }
   std::uint32_t& head = buckets_[bucket(line)];
-  pending_[index] = {line, kNil, kNil, head, {}, 0, kind};
+  pending_[index] = {line, {}, kNil, kNil, head, 0, 0, kind};
   head = index;
   return index;
 }
 
+void L1Cache::release(std::uint32_t& link) {
+  const std::uint32_t index = link;
+  Pending& pending = pending_[index];
+  A2RT_CHECK(pending.waiting == 0, "L1 reads wait for a sector that nobody fetches");
+  link = pending.next;
+  pending.next = free_pending_;
+  free_pending_ = index;
+}
+
 void L1Cache::add_waiter(Pending& pending, const Waiter& waiter) {
+  ++waiters_used_;
+  ++pending.waiting;
+  if (pending.sectors == 0) {
+    pending.first = waiter;
+    return;
+  }
   std::uint32_t index = free_waiter_;
   if (index == kNil) {
     index = static_cast<std::uint32_t>(waiters_.size());
@@ -67,40 +87,36 @@ void L1Cache::add_waiter(Pending& pending, const Waiter& waiter) {
   } else {
     free_waiter_ = waiters_[index].next;
   }
-  ++waiters_used_;
-  waiters_[index] = waiter;
-  (pending.first == kNil ? pending.first : waiters_[pending.last].next) = index;
+  waiters_[index] = {waiter, kNil};
+  (pending.later == kNil ? pending.later : waiters_[pending.last].next) = index;
   pending.last = index;
 }
 
-SectorMask L1Cache::take_misses(std::uint32_t& index, Address line, SectorMask sectors,
-                                Traffic kind) {
-  SectorMask merging = 0;
-  if (index != kNil) {
-    const Pending& pending = pending_[index];
-    for_each_bit(static_cast<SectorMask>(sectors & pending.sectors), [&](std::uint32_t s) {
-      if (pending.merged[s] < config_.merges) {
-        merging = static_cast<SectorMask>(merging | 1u << s);
-      }
-    });
+// Those of the sectors being fetched that another read may wait for.
+SectorMask L1Cache::mergeable(const Pending& pending, SectorMask sectors) const {
+  if (pending.waiting < config_.merges) [[likely]] {
+    return sectors;
   }
-  const auto known = index == kNil ? SectorMask{0} : pending_[index].sectors;
-  const SectorMask added =
-      lowest(static_cast<SectorMask>(sectors & ~known), config_.mshrs - mshrs_used_);
-  const auto taken = static_cast<SectorMask>(merging | added);
-  if (taken == 0) {
-    return 0;
+  std::array<std::uint32_t, kSectorsPerLine> merged{};
+  const auto count = [&](SectorMask wanted) {
+    for_each_bit(wanted, [&](std::uint32_t s) { ++merged[s]; });
+  };
+  count(pending.first.wanted);
+  for (std::uint32_t i = pending.later; i != kNil; i = waiters_[i].next) {
+    count(waiters_[i].waiter.wanted);
   }
-  if (index == kNil) {
-    index = obtain(line_of(line), kind);
+  SectorMask free = 0;
+  for_each_bit(sectors, [&](std::uint32_t s) {
+    free = static_cast<SectorMask>(free | unsigned{merged[s] < config_.merges} << s);
+  });
+  return free;
+}
+
+void L1Cache::turn_away(L1Client& client) {
+  ++counts_.mshr_full;
+  if (std::find(turned_away_.begin(), turned_away_.end(), &client) == turned_away_.end()) {
+    turned_away_.push_back(&client);
   }
-  Pending& pending = pending_[index];
-  for_each_bit(taken, [&](std::uint32_t s) { ++pending.merged[s]; });
-  pending.sectors = static_cast<SectorMask>(pending.sectors | added);
-  mshrs_used_ += sectors_in(added);
-  counts_.merges[static_cast<std::size_t>(kind)] += sectors_in(merging);
-  counts_.misses[static_cast<std::size_t>(kind)] += sectors_in(added);
-  return taken;
 }
 
 // Each sector in the first cycle in which the port and its bank are free.
@@ -124,26 +140,39 @@ void L1Cache::enter_one_by_one(Cycles now, Port& port, Address line, SectorMask 
 // Some of the sectors are not there: as many as there are MSHRs for are fetched.
 void L1Cache::miss(Cycles now, Port& port, Address line, SectorMask missing, Traffic kind,
                    L1Client& client, std::uint32_t token, Lookup& result) {
-  std::uint32_t index = find(line_of(line));
-  const auto known = index == kNil ? SectorMask{0} : pending_[index].sectors;
-  const SectorMask taken = take_misses(index, line, missing, kind);
-  if (taken != missing) {
+  std::uint32_t index = *find(line_of(line));
+  SectorMask merging = 0, fresh = missing;
+  if (index != kNil) [[unlikely]] {
+    const Pending& pending = pending_[index];
+    merging = mergeable(pending, static_cast<SectorMask>(missing & pending.sectors));
+    fresh = static_cast<SectorMask>(missing & ~pending.sectors);
+  }
+  fresh = lowest(fresh, config_.mshrs - mshrs_used_);
+  const auto taken = static_cast<SectorMask>(merging | fresh);
+  if (taken != missing) [[unlikely]] {
     result.mshrs_full = true;
-    ++counts_.mshr_full;
-    if (std::find(turned_away_.begin(), turned_away_.end(), &client) == turned_away_.end()) {
-      turned_away_.push_back(&client);
-    }
+    turn_away(client);
   }
   result.accepted = static_cast<SectorMask>(result.hits | taken);
   if (result.accepted == 0) {
     return;
   }
   enter(now, port, line, result.accepted, result.ready);
-  if (taken != 0) {
-    const auto last = static_cast<std::size_t>(std::bit_width(unsigned{taken})) - 1;
-    add_waiter(pending_[index], {&client, token, kNil, result.ready[last], taken});
+  if (taken == 0) {
+    return;
   }
-  if (const auto fresh = static_cast<SectorMask>(taken & ~known); fresh != 0) {
+  if (index == kNil) {
+    index = obtain(line_of(line), kind);
+  }
+  const auto last = static_cast<std::size_t>(std::bit_width(unsigned{taken})) - 1;
+  add_waiter(pending_[index], {&client, result.ready[last], token, taken});
+  if (merging != 0) {
+    counts_.merges[static_cast<std::size_t>(kind)] += sectors_in(merging);
+  }
+  if (fresh != 0) {
+    pending_[index].sectors = static_cast<SectorMask>(pending_[index].sectors | fresh);
+    mshrs_used_ += sectors_in(fresh);
+    counts_.misses[static_cast<std::size_t>(kind)] += sectors_in(fresh);
     lower_.request(departure(fresh, result.ready), sm_, line, fresh, kind, false);
   }
 }
@@ -154,15 +183,14 @@ void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Tr
   enter(now, port, line, sectors, sent);
   counts_.writes[static_cast<std::size_t>(kind)] += sectors_in(sectors);
   if (kind == Traffic::kStack) {
-    insert(now, line, sectors, kind, true);
+    count_victim(now, tags_.insert(now, line, sectors, kind, true));
   } else {
     // Valid copies take the new data on the way down, so their state does not change.
     lower_.request(departure(sectors, sent), sm_, line, sectors, kind, true);
   }
 }
 
-void L1Cache::insert(Cycles now, Address line, SectorMask sectors, Traffic kind, bool dirty) {
-  const auto victim = tags_.insert(now, line, sectors, kind, dirty);
+void L1Cache::count_victim(Cycles now, const std::optional<Victim>& victim) {
   if (!victim) {
     return;
   }
@@ -177,57 +205,52 @@ void L1Cache::insert(Cycles now, Address line, SectorMask sectors, Traffic kind,
 // Tells every waiter which of its sectors came, and when. Clients only note it; they read again in
 // their own time.
 void L1Cache::answer(Cycles now, Pending& pending, SectorMask sectors) {
-  SectorTimes arrives{};
-  std::uint64_t i = 0;
-  for_each_bit(sectors, [&](std::uint32_t s) { arrives[s] = now + Cycles{i++}; });
-  std::uint32_t* link = &pending.first;
+  const auto tell = [&](Waiter& w) {
+    const auto got = static_cast<SectorMask>(w.wanted & sectors);
+    if (got == 0) {
+      return;
+    }
+    w.wanted = static_cast<SectorMask>(w.wanted & ~got);
+    const std::uint32_t served = w.wanted == 0;
+    pending.waiting -= served;
+    waiters_used_ -= served;
+    SectorTimes ready;
+    for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
+      ready[s] = std::max(now + Cycles{kInTurn[sectors].after[s]}, w.earliest);
+    }
+    w.client->arrived(now, w.token, got, ready);
+  };
+  tell(pending.first);
+  std::uint32_t* link = &pending.later;
   pending.last = kNil;
   while (*link != kNil) {
     const std::uint32_t index = *link;
-    const Waiter w = waiters_[index];
-    const auto got = static_cast<SectorMask>(w.wanted & sectors);
-    waiters_[index].wanted = static_cast<SectorMask>(w.wanted & ~got);
-    if (waiters_[index].wanted == 0) {
-      *link = w.next;
-      waiters_[index].next = free_waiter_;
+    LaterWaiter& later = waiters_[index];
+    tell(later.waiter);
+    if (later.waiter.wanted == 0) {
+      *link = later.next;
+      later.next = free_waiter_;
       free_waiter_ = index;
-      --waiters_used_;
     } else {
       pending.last = index;
-      link = &waiters_[index].next;
-    }
-    if (got != 0) {
-      SectorTimes ready = arrives;
-      for_each_bit(got, [&](std::uint32_t s) { ready[s] = std::max(ready[s], w.earliest); });
-      w.client->arrived(now, w.token, got, ready);
+      link = &later.next;
     }
   }
 }
 
 void L1Cache::fill(Cycles now, Address line, SectorMask sectors) {
-  const std::uint32_t index = find(line_of(line));
-  A2RT_CHECK(index != kNil && (pending_[index].sectors & sectors) == sectors,
+  std::uint32_t& link = *find(line_of(line));
+  A2RT_CHECK(link != kNil && (pending_[link].sectors & sectors) == sectors,
              "L1 was sent a sector it did not ask for");
-  Pending& pending = pending_[index];
+  Pending& pending = pending_[link];
   counts_.fills += sectors_in(sectors);
   mshrs_used_ -= sectors_in(sectors);
   // A spill written meanwhile is newer than what comes from below.
-  const auto fresh = static_cast<SectorMask>(sectors & ~tags_.valid(line));
-  if (fresh != 0) {
-    insert(now, line, fresh, pending.kind, false);
-  }
+  count_victim(now, tags_.fill(now, line, sectors, pending.kind));
   pending.sectors = static_cast<SectorMask>(pending.sectors & ~sectors);
-  for_each_bit(sectors, [&](std::uint32_t s) { pending.merged[s] = 0; });
   answer(now, pending, sectors);
   if (pending.sectors == 0) {
-    A2RT_CHECK(pending.first == kNil, "L1 reads wait for a sector that nobody fetches");
-    std::uint32_t* link = &buckets_[bucket(pending.line)];
-    while (*link != index) {
-      link = &pending_[*link].next;
-    }
-    *link = pending.next;
-    pending.next = free_pending_;
-    free_pending_ = index;
+    release(link);
   }
   if (!turned_away_.empty()) {
     std::vector<L1Client*> again;

@@ -10,7 +10,10 @@
 // when the first does: what is filled or evicted meanwhile (a few cycles) does not show.
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,35 +63,45 @@ class L1Cache final : public LineSink {
 
  private:
   static constexpr std::uint32_t kNil = 0xffffffffu;
-  // Reads of one client that wait for sectors of one line.
+  static constexpr std::size_t kBuckets = 128;
+  // A read of one client that waits for sectors of one line.
   struct Waiter {
     L1Client* client = nullptr;
-    std::uint32_t token = 0;
-    std::uint32_t next = kNil;
     Cycles earliest;  // of the last sector
+    std::uint32_t token = 0;
     SectorMask wanted = 0;
   };
+  struct LaterWaiter {
+    Waiter waiter;
+    std::uint32_t next = kNil;
+  };
   // The sectors of one line that are being fetched. One MSHR of the hardware holds one sector.
-  struct Pending {
+  // Mostly nobody but the read that missed waits for them.
+  struct alignas(64) Pending {
     std::uint64_t line = 0;
-    std::uint32_t first = kNil, last = kNil, next = kNil;
-    std::array<std::uint16_t, kSectorsPerLine> merged{};
+    Waiter first;
+    std::uint32_t later = kNil, last = kNil;  // those who came after the first
+    std::uint32_t next = kNil;                // in its bucket
+    std::uint32_t waiting = 0;
     SectorMask sectors = 0;
     Traffic kind = Traffic::kNone;
   };
-  std::size_t bucket(std::uint64_t line) const { return (line * 0x9e3779b97f4a7c15u) >> 55; }
+  static std::size_t bucket(std::uint64_t line) {
+    return (line * 0x9e3779b97f4a7c15u) >> (64 - std::bit_width(kBuckets - 1));
+  }
   void enter(Cycles now, Port& port, Address line, SectorMask sectors, SectorTimes& ready);
   A2RT_NOINLINE void enter_one_by_one(Cycles now, Port& port, Address line, SectorMask sectors,
                                       SectorTimes& ready);
   A2RT_NOINLINE void miss(Cycles now, Port& port, Address line, SectorMask missing, Traffic kind,
                           L1Client& client, std::uint32_t token, Lookup& result);
-  std::uint32_t find(std::uint64_t line) const;
+  std::uint32_t* find(std::uint64_t line);
   std::uint32_t obtain(std::uint64_t line, Traffic kind);
-  // Takes `sectors` as misses as far as there is room; returns those taken.
-  SectorMask take_misses(std::uint32_t& pending, Address line, SectorMask sectors, Traffic kind);
+  void release(std::uint32_t& link);
+  SectorMask mergeable(const Pending& pending, SectorMask sectors) const;
+  void turn_away(L1Client& client);
   void add_waiter(Pending& pending, const Waiter& waiter);
   void answer(Cycles now, Pending& pending, SectorMask sectors);
-  void insert(Cycles now, Address line, SectorMask sectors, Traffic kind, bool dirty);
+  void count_victim(Cycles now, const std::optional<Victim>& victim);
 
   L1Config config_;
   LowerLevel& lower_;
@@ -96,10 +109,10 @@ class L1Cache final : public LineSink {
   TagStore tags_;
   Banks banks_;
   std::vector<Pending> pending_;
-  std::vector<std::uint32_t> buckets_;
+  std::array<std::uint32_t, kBuckets> buckets_;
   std::uint32_t free_pending_ = kNil;
   std::uint32_t mshrs_used_ = 0;
-  std::vector<Waiter> waiters_;
+  std::vector<LaterWaiter> waiters_;
   std::uint32_t free_waiter_ = kNil;
   std::uint32_t waiters_used_ = 0;
   std::vector<L1Client*> turned_away_;

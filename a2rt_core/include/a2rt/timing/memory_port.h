@@ -23,11 +23,6 @@ using TrafficCounts = std::array<std::uint64_t, kTrafficKinds>;
 // A core cycle per sector of a line; only those of the sectors in question mean anything.
 using SectorTimes = std::array<Cycles, kSectorsPerLine>;
 
-inline std::uint32_t sectors_in(SectorMask mask) {
-  // A table, as the project's oldest target has no instruction for it.
-  constexpr std::array<std::uint8_t, 16> kOnes = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
-  return kOnes[mask & 0xf];
-}
 // Calls f(line, sectors) for each line that [address, address + bytes) touches, ascending.
 template <class F>
 A2RT_INLINE void for_each_line(Address address, std::uint64_t bytes, const F& f) {

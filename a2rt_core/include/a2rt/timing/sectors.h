@@ -26,6 +26,12 @@ constexpr std::uint32_t sector_index(Address a) {
   return static_cast<std::uint32_t>(a.value / kSectorBytes) % kSectorsPerLine;
 }
 
+inline std::uint32_t sectors_in(SectorMask mask) {
+  // A table, as the project's oldest target has no instruction for it.
+  constexpr std::array<std::uint8_t, 16> kOnes = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+  return kOnes[mask & 0xf];
+}
+
 // A line thrown out; `dirty` has a bit per sector to be written below.
 struct Victim {
   std::uint64_t line = 0;
@@ -42,45 +48,39 @@ class SectorResidence {
   void replace(Cycles now, SectorKinds& kinds, SectorMask valid, SectorMask sectors, Traffic kind) {
     leave(now, kinds, static_cast<SectorMask>(valid & sectors));
     for_each_bit(sectors, [&](std::uint32_t s) { kinds[s] = kind; });
-    change(now, kind, std::popcount(sectors));
+    change(now, kind, sectors_in(sectors));
   }
   // Some sectors of a line leave; neighbours are mostly of one kind.
   void leave(Cycles now, const SectorKinds& kinds, SectorMask sectors) {
     for (std::uint32_t rest = sectors; rest != 0;) {
       const Traffic kind = kinds[static_cast<std::size_t>(std::countr_zero(rest))];
-      int count = 0;
-      std::uint32_t others = 0;
-      for (; rest != 0; rest &= rest - 1) {
-        const auto s = static_cast<std::size_t>(std::countr_zero(rest));
-        if (kinds[s] == kind) {
-          ++count;
-        } else {
-          others |= 1u << s;
-        }
+      std::uint32_t same = 0;
+      for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
+        same |= std::uint32_t{kinds[s] == kind} << s;
       }
-      change(now, kind, -count);
-      rest = others;
+      change(now, kind,
+             -static_cast<std::int64_t>(sectors_in(static_cast<SectorMask>(rest & same))));
+      rest &= ~same;
     }
   }
   Totals totals(Cycles now) const {
     Totals all{};
     for (std::size_t k = 0; k < all.size(); ++k) {
-      const Kind& r = kinds_[k];
-      all[k] = r.sector_cycles + r.sectors * (now.value - r.since.value);
+      all[k] = kinds_[k].sectors * now.value - kinds_[k].since;
     }
     return all;
   }
 
  private:
+  // Those that are there, and the sum of the cycles since when: wraps around, as the difference
+  // that is wanted does not.
   struct Kind {
-    std::uint64_t sectors = 0, sector_cycles = 0;
-    Cycles since;
+    std::uint64_t sectors = 0, since = 0;
   };
-  void change(Cycles now, Traffic kind, int delta) {
+  void change(Cycles now, Traffic kind, std::int64_t delta) {
     Kind& r = kinds_[static_cast<std::size_t>(kind)];
-    r.sector_cycles += r.sectors * (now.value - r.since.value);
-    r.since = now;
-    r.sectors = static_cast<std::uint64_t>(static_cast<std::int64_t>(r.sectors) + delta);
+    r.sectors += static_cast<std::uint64_t>(delta);
+    r.since += static_cast<std::uint64_t>(delta) * now.value;
   }
   std::array<Kind, static_cast<std::size_t>(Traffic::kCount)> kinds_{};
 };

@@ -51,6 +51,12 @@ class TagStore {
   // Makes the sectors valid (and dirty), allocating their line at the expense of the set's LRU one.
   std::optional<Victim> insert(Cycles now, Address line, SectorMask sectors, Traffic kind,
                                bool dirty);
+  // As insert(), of what came from below: only those sectors that are not valid yet. Does nothing,
+  // not even to the order of use, if all are.
+  std::optional<Victim> fill(Cycles now, Address line, SectorMask sectors, Traffic kind) {
+    const auto fresh = static_cast<SectorMask>(sectors & ~valid(line));
+    return fresh == 0 ? std::nullopt : insert(now, line, fresh, kind, false);
+  }
 
   // Sector-cycles of residence by kind up to `now`: what the cache was filled with over time.
   SectorResidence::Totals residence(Cycles now) const { return residence_.totals(now); }
