@@ -12,50 +12,49 @@ constexpr auto kLater = [](const auto& a, const auto& b) {
 
 }  // namespace
 
-void Calendar::add_node() {
-  free_ = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.push_back({});
+void Calendar::add_place() {
+  A2RT_CHECK(appointments_.size() < kNil, "more appointments than a calendar has room for");
+  free_ = static_cast<std::uint32_t>(appointments_.size());
+  appointments_.push_back({nullptr, 0, kNil << kWhatBits});
 }
 
-void Calendar::push_far(Cycles when, Appointment appointment) {
+void Calendar::push_far(Cycles when, Component* who, std::uint32_t what, std::uint32_t value) {
   A2RT_CHECK(when >= now_, "an appointment was made in the past");
-  far_.push_back({when, far_order_++, appointment});
+  far_.push_back({when, made_, who, what, value});
   std::push_heap(far_.begin(), far_.end(), kLater);
+  pull_at_ = far_.front().when - Cycles{kWheel - 1};
 }
 
+// Everything that has come near goes to the wheel before anything else can be made for its cycle.
 void Calendar::pull_far() {
   while (!far_.empty() && far_.front().when.value - now_.value < kWheel) {
     std::pop_heap(far_.begin(), far_.end(), kLater);
     const Far far = far_.back();
     far_.pop_back();
-    place(far.when.value % kWheel, far.appointment);
+    place(far.when.value % kWheel, far.who, far.what, far.value);
   }
+  pull_at_ = far_.empty() ? kNever : far_.front().when - Cycles{kWheel - 1};
 }
 
-std::uint64_t Calendar::distance_to_next_bucket() const {
-  const std::size_t start = now_.value % kWheel;
-  const std::size_t first_word = start / 64;
-  for (std::size_t i = 0; i <= occupied_.size(); ++i) {
-    const std::size_t word = (first_word + i) % occupied_.size();
-    std::uint64_t bits = occupied_[word];
-    if (i == 0) {
-      bits &= ~std::uint64_t{0} << (start % 64);
-    } else if (i == occupied_.size()) {
-      bits &= ~(~std::uint64_t{0} << (start % 64));
-    }
+Cycles Calendar::next_in_other_words() const {
+  const std::size_t start = now_.value % kWheel / 64;
+  // Last of all the present word again: what is left of it lies a whole turn ahead.
+  for (std::size_t i = 1; i <= occupied_.size(); ++i) {
+    const std::uint64_t bits = occupied_[(start + i) % occupied_.size()];
     if (bits != 0) {
-      const std::size_t bucket = word * 64 + static_cast<std::size_t>(std::countr_zero(bits));
-      return (bucket + kWheel - start) % kWheel;
+      return Cycles{(now_.value / 64 + i) * 64 +
+                    static_cast<std::uint64_t>(std::countr_zero(bits))};
     }
   }
-  return kWheel;
+  return far_.empty() ? kNever : std::min(far_.front().when, now_ + Cycles{kWheel});
 }
 
 bool Calendar::step() {
-  if (pending_ == 0) {
+  const Cycles at = next();
+  if (at == kNever) {
     return false;
   }
-  serve(next());
+  serve(at);
   return true;
 }
 

@@ -362,9 +362,9 @@ void Machine::collect() {
   result_.crossbar_sectors = memory_.crossbar_sectors();
   result_.milliseconds =
       static_cast<double>(result_.cycles.value) / (static_cast<double>(config_.core_mhz) * 1e3);
-  result_.appointments = dram_calendar_.served() + slice_calendar_.served();
+  result_.appointments = dram_calendar_.made() + slice_calendar_.made();
   for (const auto& calendar : calendars_) {
-    result_.appointments += calendar->served();
+    result_.appointments += calendar->made();
   }
   A2RT_CHECK(total(result_.l1.misses) == total(result_.l2.reads), "L1 misses differ from L2 reads");
   A2RT_CHECK(result_.rt.rays == result_.ray_cycles.count(), "a ray was lost in an RT unit");

@@ -1,5 +1,8 @@
 // The calendar: who wakes when. A wheel of one bucket per cycle for the near future and a heap for
 // the rest. Nothing is polled; a component that has nothing to do costs nothing.
+//
+// A machine has ten calendars, which take turns in the host's caches: a bucket is four bytes and an
+// appointment sixteen.
 #pragma once
 
 #include <algorithm>
@@ -30,19 +33,22 @@ class Component {
 // Appointments of one cycle are kept in the order they were made, which makes runs repeatable.
 class Calendar {
  public:
-  Cycles now() const { return now_; }
-  bool empty() const { return pending_ == 0; }
-  std::uint64_t pending() const { return pending_; }
-  std::uint64_t served() const { return served_; }
+  static constexpr Cycles kNever{~std::uint64_t{0}};
 
-  // Throws InternalError if `when` has passed.
+  Cycles now() const { return now_; }
+  bool empty() const { return next() == kNever; }
+  // Appointments so far; once the calendar is empty, all of them have been kept.
+  std::uint64_t made() const { return made_; }
+
+  // `what` is below 256. Throws InternalError if `when` has passed.
   A2RT_INLINE void at(Cycles when, Component& who, std::uint32_t what, std::uint32_t value = 0) {
+    A2RT_CHECK(what < 1u << kWhatBits, "an appointment's reason does not fit");
     if (when.value - now_.value < kWheel) [[likely]] {  // neither far away nor in the past
-      place(when.value % kWheel, {&who, what, value});
+      place(when.value % kWheel, &who, what, value);
     } else {
-      push_far(when, {&who, what, value});
+      push_far(when, &who, what, value);
     }
-    ++pending_;
+    ++made_;
   }
 
   // Moves to the next cycle that has appointments and keeps them all. Returns false if there are
@@ -51,33 +57,24 @@ class Calendar {
   // Keeps all appointments before end(), which is asked before each.
   template <class End>
   void run_before(const End& end) {
-    while (pending_ > 0) {
-      const Cycles at = next();
-      if (at >= end()) {
-        return;
-      }
+    for (Cycles at = next(); at < end(); at = next()) {
       serve(at);
     }
   }
   // Lets time pass to `when`; everything before it must have been kept.
   void move_to(Cycles when) {
-    A2RT_CHECK(when >= now_ && (pending_ == 0 || next() >= when), "an appointment was passed over");
-    now_ = when;
+    A2RT_CHECK(when >= now_ && next() >= when, "an appointment was passed over");
+    advance(when);
   }
-  // Cycle of the next appointment; there must be one.
+  // Cycle of the next appointment, or kNever; at most a turn of the wheel ahead, where a far one is
+  // looked for again.
   Cycles next() const {
-    std::uint64_t distance = 0;
     const std::uint64_t near =
         occupied_[now_.value % kWheel / 64] >> (now_.value % 64);  // rest of the present word
     if (near != 0) [[likely]] {
-      distance = static_cast<std::uint64_t>(std::countr_zero(near));
-    } else {
-      distance = distance_to_next_bucket();
+      return now_ + Cycles{static_cast<std::uint64_t>(std::countr_zero(near))};
     }
-    if (!far_.empty()) [[unlikely]] {
-      distance = std::min(distance, far_.front().when.value - now_.value);
-    }
-    return now_ + Cycles{distance};
+    return next_in_other_words();
   }
 
   // Work was done; the watchdog counts from here.
@@ -86,78 +83,85 @@ class Calendar {
 
  private:
   static constexpr std::size_t kWheel = 1024;
+  static constexpr std::uint32_t kWhatBits = 8;
+  static constexpr std::uint32_t kNil = 0xffffffffu >> kWhatBits;  // also the most there can be
   struct Appointment {
-    Component* who;
-    std::uint32_t what, value;
+    Component* who = nullptr;
+    std::uint32_t value = 0;
+    std::uint32_t link = 0;  // the next one's place, and `what` in the low bits
+    std::uint32_t what() const { return link & ((1u << kWhatBits) - 1); }
+    std::uint32_t next() const { return link >> kWhatBits; }
+    void set_next(std::uint32_t place) { link = place << kWhatBits | what(); }
   };
   struct Far {
     Cycles when;
     std::uint64_t order;
-    Appointment appointment;
+    Component* who;
+    std::uint32_t what, value;
   };
-  static constexpr std::uint32_t kNil = 0xffffffffu;
-  struct Node {
-    Appointment appointment;
-    std::uint32_t next = kNil;
-  };
-  struct Bucket {
-    std::uint32_t first = kNil, last = kNil;
-  };
-  // Kept nodes are used again first, so that the pool's live part stays in the host's caches.
-  A2RT_INLINE void place(std::size_t index, const Appointment& appointment) {
+  // A bucket's appointments form a ring, of which the bucket knows the last.
+  A2RT_INLINE void place(std::size_t index, Component* who, std::uint32_t what,
+                         std::uint32_t value) {
     if (free_ == kNil) [[unlikely]] {
-      add_node();
+      add_place();
     }
-    const std::uint32_t node = free_;
-    free_ = nodes_[node].next;
-    nodes_[node] = {appointment, kNil};
-    Bucket& bucket = buckets_[index];
-    if (bucket.first == kNil) {
-      bucket.first = node;
-      occupied_[index / 64] |= std::uint64_t{1} << (index % 64);
-    } else {
-      nodes_[bucket.last].next = node;
-    }
-    bucket.last = node;
+    const std::uint32_t place = free_;
+    Appointment& made = appointments_[place];
+    free_ = made.next();
+    made = {who, value, place << kWhatBits | what};
+    std::uint64_t& word = occupied_[index / 64];
+    const std::uint64_t bit = std::uint64_t{1} << (index % 64);
+    // The first of a bucket is its own predecessor, so both cases take the same steps.
+    Appointment& last = appointments_[(word & bit) != 0 ? buckets_[index] : place];
+    made.set_next(last.next());
+    last.set_next(place);
+    buckets_[index] = place;
+    word |= bit;
   }
-  void add_node();
+  void advance(Cycles to) {
+    now_ = to;
+    if (to >= pull_at_) [[unlikely]] {
+      pull_far();
+    }
+  }
+  void add_place();
   void serve(Cycles at);
-  void push_far(Cycles when, Appointment appointment);
+  void push_far(Cycles when, Component* who, std::uint32_t what, std::uint32_t value);
   void pull_far();
-  std::uint64_t distance_to_next_bucket() const;
+  Cycles next_in_other_words() const;
 
-  std::array<Bucket, kWheel> buckets_;
-  std::vector<Node> nodes_;
-  std::uint32_t free_ = kNil;
-  std::array<std::uint64_t, kWheel / 64> occupied_{};
-  std::vector<Far> far_;  // heap, earliest first
-  std::uint64_t far_order_ = 0;
-  std::uint64_t pending_ = 0;
-  std::uint64_t served_ = 0;
+  std::vector<Appointment> appointments_;
+  std::uint32_t free_ = kNil;  // those kept last are used again first, while the host has them near
+  std::uint64_t made_ = 0;
   Cycles now_;
   Cycles last_progress_;
+  Cycles pull_at_ = kNever;  // when the first far appointment becomes a near one
+  std::array<std::uint64_t, kWheel / 64> occupied_{};
+  std::array<std::uint32_t, kWheel> buckets_{};  // the last of a ring, if occupied
+  std::vector<Far> far_;                         // heap, earliest first
 };
 
 inline void Calendar::serve(Cycles at) {
-  now_ = at;
-  if (!far_.empty()) {
-    pull_far();
+  advance(at);
+  const std::size_t index = at.value % kWheel;
+  std::uint64_t& word = occupied_[index / 64];
+  const std::uint64_t bit = std::uint64_t{1} << (index % 64);
+  if ((word & bit) == 0) [[unlikely]] {
+    return;  // a far appointment is farther than a turn
   }
-  const std::size_t index = now_.value % kWheel;
+  const std::uint32_t& last = buckets_[index];
   // Appointments made for this very cycle while it runs are appended and kept too.
-  std::uint64_t kept = 0;
-  for (std::uint32_t node = buckets_[index].first; node != kNil; ++kept) {
-    const Appointment appointment = nodes_[node].appointment;
-    appointment.who->wake(at, appointment.what, appointment.value);
-    const std::uint32_t next = nodes_[node].next;
-    nodes_[node].next = free_;
-    free_ = node;
-    node = next;
-  }
-  served_ += kept;
-  pending_ -= kept;
-  buckets_[index] = {};
-  occupied_[index / 64] &= ~(std::uint64_t{1} << (index % 64));
+  std::uint32_t place = last;
+  do {
+    place = appointments_[place].next();
+    const Appointment kept = appointments_[place];
+    kept.who->wake(at, kept.what(), kept.value);
+  } while (place != last);
+  // The whole ring becomes free at once.
+  const std::uint32_t first = appointments_[place].next();
+  appointments_[place].set_next(free_);
+  free_ = first;
+  word ^= bit;
 }
 
 }  // namespace a2rt::timing
