@@ -16,6 +16,8 @@ DramChannel::DramChannel(const DramConfig& config, std::uint64_t core_mhz, Calen
       calendar_(calendar),
       client_(client),
       clock_(config.mhz, core_mhz),
+      row_bytes_(config.row.value),
+      bank_count_(config.banks),
       banks_(config.banks) {}
 
 void DramChannel::enqueue(Cycles now, std::uint64_t local, bool write, std::uint32_t tag) {
@@ -26,15 +28,9 @@ void DramChannel::enqueue(Cycles now, std::uint64_t local, bool write, std::uint
   } else {
     free_ = requests_[index].next;
   }
-  const std::uint64_t page = local / config_.row.value;
-  requests_[index] = {page / config_.banks,
-                      order_++,
-                      tag,
-                      static_cast<std::uint32_t>(page % config_.banks),
-                      kNil,
-                      write,
-                      false,
-                      false};
+  const auto [row, bank] = bank_count_.divide(row_bytes_.quotient(local));
+  requests_[index] = {row,  order_++, tag,   static_cast<std::uint32_t>(bank),
+                      kNil, write,    false, false};
   ++(write ? counts_.writes : counts_.reads);
   if (queued_ < config_.queue) {
     place(index);
@@ -47,12 +43,36 @@ void DramChannel::enqueue(Cycles now, std::uint64_t local, bool write, std::uint
 }
 
 void DramChannel::place(std::uint32_t index) {
-  Bank& bank = banks_[requests_[index].bank];
-  (bank.first == kNil ? bank.first : requests_[bank.last].next) = index;
+  const std::uint32_t number = requests_[index].bank;
+  Bank& bank = banks_[number];
+  if (bank.first == kNil) {
+    bank.first = index;
+    bank.place = static_cast<std::uint32_t>(busy_.size());
+    busy_.push_back(number);
+  } else {
+    requests_[bank.last].next = index;
+  }
   bank.last = index;
   requests_[index].next = kNil;
   bank.hits += bank.open && bank.row == requests_[index].row;
   ++queued_;
+}
+
+// Takes a request out of its bank's queue, where it is behind `before`.
+void DramChannel::remove(std::uint32_t index, std::uint32_t before) {
+  const Request& request = requests_[index];
+  Bank& bank = banks_[request.bank];
+  (before == kNil ? bank.first : requests_[before].next) = request.next;
+  if (bank.last == index) {
+    bank.last = before;
+  }
+  if (bank.first == kNil) {
+    busy_[bank.place] = busy_.back();
+    banks_[busy_.back()].place = bank.place;
+    busy_.pop_back();
+  }
+  --bank.hits;
+  --queued_;
 }
 
 void DramChannel::book(Cycles own) {
@@ -103,19 +123,18 @@ Cycles DramChannel::row_start(const Bank& bank) const {
 // Earliest command cycle after `own` at which some command could go out.
 Cycles DramChannel::next_chance(Cycles own) const {
   Cycles best = kNever;
-  for (const Bank& bank : banks_) {
-    if (bank.hits > 0) {
-      best = std::min(best, std::max(bank.column_ready, bus_ready_));
-    } else if (bank.first != kNil) {
-      best = std::min(best, row_start(bank));
-    }
+  for (const std::uint32_t b : busy_) {
+    const Bank& bank = banks_[b];
+    best =
+        std::min(best, bank.hits > 0 ? std::max(bank.column_ready, bus_ready_) : row_start(bank));
   }
   return std::max(best, own + Cycles{1});
 }
 
-bool DramChannel::issue_column(Cycles own) {
+void DramChannel::issue_column(Cycles own) {
   std::uint32_t chosen = kNil, before_chosen = kNil;
-  for (Bank& bank : banks_) {
+  for (const std::uint32_t b : busy_) {
+    const Bank& bank = banks_[b];
     if (bank.hits == 0 || bank.column_ready > own) {
       continue;
     }
@@ -130,12 +149,12 @@ bool DramChannel::issue_column(Cycles own) {
     }
   }
   if (chosen == kNil) {
-    return false;
+    return;
   }
   Request& request = requests_[chosen];
   const bool turns = request.write != last_was_write_ && bus_ready_ > Cycles{0};
   if (own < (turns ? bus_ready_ + config_.turnaround : bus_ready_)) {
-    return false;
+    return;
   }
   last_was_write_ = request.write;
   bus_ready_ = own + std::max(config_.ccd, config_.burst);
@@ -147,12 +166,7 @@ bool DramChannel::issue_column(Cycles own) {
   const Cycles data = own + (request.write ? config_.wl : config_.cl) + config_.burst;
   bank.precharge_ready =
       std::max(bank.precharge_ready, request.write ? data + config_.wr : own + config_.rtp);
-  (before_chosen == kNil ? bank.first : requests_[before_chosen].next) = request.next;
-  if (bank.last == chosen) {
-    bank.last = before_chosen;
-  }
-  --bank.hits;
-  --queued_;
+  remove(chosen, before_chosen);
   if (!request.write) {
     ++in_flight_;
     calendar_.at(clock_.to_core(data), *this, kData, request.tag);
@@ -165,19 +179,19 @@ bool DramChannel::issue_column(Cycles own) {
     --waiting_;
     place(next);
   }
-  return true;
 }
 
-bool DramChannel::prepare_row(Cycles own) {
+void DramChannel::prepare_row(Cycles own) {
   Bank* chosen = nullptr;
-  for (Bank& bank : banks_) {
-    if (bank.hits == 0 && bank.first != kNil && row_start(bank) <= own &&
+  for (const std::uint32_t b : busy_) {
+    Bank& bank = banks_[b];
+    if (bank.hits == 0 && row_start(bank) <= own &&
         (chosen == nullptr || requests_[bank.first].order < requests_[chosen->first].order)) {
       chosen = &bank;
     }
   }
   if (chosen == nullptr) {
-    return false;
+    return;
   }
   row_command_ready_ = own + Cycles{1};
   Request& request = requests_[chosen->first];
@@ -185,7 +199,7 @@ bool DramChannel::prepare_row(Cycles own) {
     chosen->open = false;
     chosen->activate_ready = std::max(chosen->activate_ready, own + config_.rp);
     request.needed_precharge = true;
-    return true;
+    return;
   }
   chosen->open = true;
   chosen->row = request.row;
@@ -198,7 +212,6 @@ bool DramChannel::prepare_row(Cycles own) {
   for (std::uint32_t i = chosen->first; i != kNil; i = requests_[i].next) {
     chosen->hits += requests_[i].row == chosen->row;
   }
-  return true;
 }
 
 std::string DramChannel::dump() const {

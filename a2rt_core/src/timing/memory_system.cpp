@@ -3,25 +3,28 @@
 #include <algorithm>
 
 namespace a2rt::timing {
+namespace {
+
+constexpr std::uint32_t kMshrHashShift = 54;
+constexpr std::size_t kMshrBuckets = std::size_t{1} << (64 - kMshrHashShift);
+
+std::uint32_t first_sector(SectorMask sectors) {
+  return static_cast<std::uint32_t>(std::countr_zero(sectors));
+}
+
+}  // namespace
 
 MemorySystem::MemorySystem(const MachineConfig& config, Calendar& calendar, Calendar& dram_calendar)
     : config_(config),
       calendar_(calendar),
       dram_calendar_(dram_calendar),
       l2_clock_(config.l2.mhz, config.core_mhz),
-      sinks_(config.sm.count),
-      sm_calendars_(config.sm.count),
-      sm_out_(config.sm.count),
-      sm_in_free_(config.sm.count) {
-  const std::uint32_t slices = config.l2.channels * config.l2.slices_per_channel;
-  for (std::uint32_t i = 0; i < slices; ++i) {
-    slices_.push_back({TagStore(config.l2.slice_capacity, config.l2.ways, "l2"),
-                       {},
-                       {},
-                       std::vector<std::uint32_t>(256, kNil),
-                       0,
-                       {}});
-  }
+      interleave_(config.l2.interleave.value),
+      slice_count_(config.l2.channels * config.l2.slices_per_channel),
+      slices_per_channel_(config.l2.slices_per_channel),
+      slices_(slice_count_.by(), Slice(config.l2)),
+      sms_(config.sm.count),
+      mshrs_(kMshrBuckets, kNil) {
   for (std::uint32_t i = 0; i < config.l2.channels; ++i) {
     channels_.push_back(
         std::make_unique<DramChannel>(config.dram, config.core_mhz, dram_calendar, *this));
@@ -39,12 +42,11 @@ std::uint32_t MemorySystem::allocate() {
   ++live_;
   if (free_ == kNil) {
     requests_.push_back({});
-    merged_.push_back(kNil);
+    misses_.push_back({});
     return static_cast<std::uint32_t>(requests_.size() - 1);
   }
   const std::uint32_t index = free_;
   free_ = requests_[index].next;
-  merged_[index] = kNil;
   return index;
 }
 
@@ -56,17 +58,17 @@ void MemorySystem::release(std::uint32_t index) {
 
 void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address line, SectorMask sectors,
                            Traffic kind, bool write) {
-  const std::uint64_t step = config_.l2.interleave.value;
-  const std::uint64_t chunk = line.value / step;
+  const auto [chunk, within] = interleave_.divide(line.value);
+  const auto [row, slice_number] = slice_count_.divide(chunk);
+  const std::uint64_t local = row * interleave_.by() + within;
+  const auto slice = static_cast<std::uint32_t>(slice_number);
   const std::uint32_t index = allocate();
-  requests_[index] = {line,    chunk / slices_.size() * step + line.value % step,
-                      sm,      static_cast<std::uint32_t>(chunk % slices_.size()),
-                      kNil,    kind,
-                      sectors, write,
-                      {}};
-  coming_.push_back({Address{requests_[index].local}, requests_[index].slice});
-  const Cycles sent = sm_out_[sm].take(sm_calendars_[sm]->now(), leaves, sectors_in(sectors));
-  crossbar_sectors_ += write ? sectors_in(sectors) : 0;
+  requests_[index] = {line, local, sm, slice, kNil, kind, sectors, write};
+  coming_.push_back({Address{local}, slice});
+  const std::uint32_t n = sectors_in(sectors);
+  SmPort& port = sms_[sm];
+  const Cycles sent = port.out.take(port.calendar->now(), leaves, n);
+  crossbar_sectors_ += write ? n : 0;
   calendar_.at(sent + config_.l2.crossbar_latency, *this, kAtSlice, index);
 }
 
@@ -87,26 +89,25 @@ void MemorySystem::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
     return;
   }
   calendar_.progress();
-  const Request& r = requests_[value];
+  if (what == kAtSlice) {
+    at_slice(now, value);
+    return;
+  }
+  const auto kind = static_cast<std::size_t>(requests_[value].kind);
   switch (what) {
     case kFill:
       fill(now, value);
-      break;
-    case kAtSlice:
-      at_slice(now, value);
       break;
     case kLookAgain:
       look_again(now, value);
       break;
     case kAtDram:
-      ++dram_reads_[static_cast<std::size_t>(r.kind)];
-      channels_[r.slice / config_.l2.slices_per_channel]->enqueue(
-          now, channel_local(r.slice, r.local), false, value);
+      ++dram_reads_[kind];
+      enqueue(now, value);
       break;
     case kWriteAtDram:
-      ++dram_writes_[static_cast<std::size_t>(r.kind)];
-      channels_[r.slice / config_.l2.slices_per_channel]->enqueue(
-          now, channel_local(r.slice, r.local), true, value);
+      ++dram_writes_[kind];
+      enqueue(now, value);
       release(value);
       break;
     default:
@@ -114,26 +115,25 @@ void MemorySystem::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
   }
 }
 
-void MemorySystem::deliver(Cycles now, std::uint32_t index) {
+inline void MemorySystem::deliver(Cycles now, std::uint32_t index) {
   const Request& r = requests_[index];
-  const Cycles first = std::max(now, sm_in_free_[r.sm]);
-  sm_in_free_[r.sm] = first + Cycles{sectors_in(r.sectors)};
+  SmPort& port = sms_[r.sm];
+  const Cycles first = std::max(now, port.in_free);
+  port.in_free = first + Cycles{sectors_in(r.sectors)};
   if (first == now) {
     enter_sm(now, index);
   } else {
-    sm_calendars_[r.sm]->at(first, *this, kIntoSm, index);
+    port.calendar->at(first, *this, kIntoSm, index);
   }
 }
 
-void MemorySystem::enter_sm(Cycles now, std::uint32_t index) {
-  const Request& r = requests_[index];
-  const std::uint32_t sm = r.sm;
-  const Address line = r.line;
-  const SectorMask sectors = r.sectors;
+inline void MemorySystem::enter_sm(Cycles now, std::uint32_t index) {
+  const Request r = requests_[index];
   release(index);
-  sm_calendars_[sm]->progress();
-  crossbar_sectors_ += sectors_in(sectors);
-  sinks_[sm]->fill(now, line, sectors);
+  const SmPort& port = sms_[r.sm];
+  port.calendar->progress();
+  crossbar_sectors_ += sectors_in(r.sectors);
+  port.sink->fill(now, r.line, r.sectors);
 }
 
 // L2 cycle in which the first of so many sectors is looked up; the others follow one by one.
@@ -150,8 +150,8 @@ Cycles MemorySystem::core_time(Cycles start, std::uint32_t position) const {
 }
 
 // The slice serves in order of arrival, so the outcome is known now and its time can be told.
-void MemorySystem::at_slice(Cycles now, std::uint32_t index) {
-  Request& r = requests_[index];
+inline void MemorySystem::at_slice(Cycles now, std::uint32_t index) {
+  const Request& r = requests_[index];
   Slice& slice = slices_[r.slice];
   const std::uint32_t n = sectors_in(r.sectors);
   const Cycles start = look_up(now, slice, n);
@@ -163,14 +163,19 @@ void MemorySystem::at_slice(Cycles now, std::uint32_t index) {
     return;
   }
   l2_counts_.reads[kind] += n;
-  split(start, index, slice.tags.touch(Address{r.local}, r.sectors));
+  const SectorMask hits = slice.tags.touch(Address{r.local}, r.sectors);
+  l2_counts_.hits[kind] += sectors_in(hits);
+  if (hits == r.sectors && l2_clock_.same()) [[likely]] {
+    respond(start + config_.l2.latency, index);  // one a cycle, as they were looked up
+  } else {
+    split(start, index, hits);
+  }
 }
 
 // Hits go back together, none before its own time; every missing sector becomes a request of its
 // own.
 void MemorySystem::split(Cycles start, std::uint32_t index, SectorMask hits) {
   const Request whole = requests_[index];
-  l2_counts_.hits[static_cast<std::size_t>(whole.kind)] += sectors_in(hits);
   std::uint32_t position = 0, hit = 0;
   Cycles hits_ready;
   for_each_bit(whole.sectors, [&](std::uint32_t s) {
@@ -182,7 +187,6 @@ void MemorySystem::split(Cycles start, std::uint32_t index, SectorMask hits) {
     const std::uint32_t part = allocate();
     requests_[part] = whole;
     requests_[part].sectors = static_cast<SectorMask>(1u << s);
-    requests_[part].local = whole.local + s * kSectorBytes;
     miss(own, part, false);
   });
   if (hits != 0) {
@@ -193,34 +197,40 @@ void MemorySystem::split(Cycles start, std::uint32_t index, SectorMask hits) {
   }
 }
 
+// Where the chain begins in which a request for this sector would be.
+std::uint32_t& MemorySystem::mshrs(const Request& r) {
+  const std::uint64_t sector = r.line.value / kSectorBytes + first_sector(r.sectors);
+  return mshrs_[sector * 0x9e3779b97f4a7c15u >> kMshrHashShift];
+}
+
 // `waited`: a miss that had its turn in the queue for an MSHR.
 void MemorySystem::miss(Cycles looked_up, std::uint32_t index, bool waited) {
   Request& r = requests_[index];
   Slice& slice = slices_[r.slice];
-  r.looked_up = looked_up;
+  misses_[index] = {looked_up, kNil};
   const auto kind = static_cast<std::size_t>(r.kind);
-  std::uint32_t& head = slice.mshrs[bucket(r.local)];
+  std::uint32_t& head = mshrs(r);
   for (std::uint32_t i = head; i != kNil; i = requests_[i].next) {
-    if (requests_[i].local == r.local) {
+    if (requests_[i].line == r.line && requests_[i].sectors == r.sectors) {
       ++l2_counts_.merges[kind];
       std::uint32_t tail = i;
-      while (merged_[tail] != kNil) {
-        tail = merged_[tail];
+      while (misses_[tail].merged != kNil) {
+        tail = misses_[tail].merged;
       }
-      merged_[tail] = index;
+      misses_[tail].merged = index;
       return;
     }
   }
-  if (slice.mshrs_used == config_.l2.mshrs || (!waited && !slice.blocked.empty())) {
+  if (slice.mshrs_used == config_.l2.mshrs || (!waited && slice.blocked.size > 0)) {
     l2_counts_.mshr_full += waited ? 0 : 1;
-    waited ? slice.blocked.push_front(index) : slice.blocked.push_back(index);
+    block(slice, index, waited);
     return;
   }
   ++l2_counts_.misses[kind];
   ++slice.mshrs_used;
   r.next = head;
   head = index;
-  dram_calendar_.at(r.looked_up + config_.dram.extra_latency, *this, kAtDram, index);
+  dram_calendar_.at(looked_up + config_.dram.extra_latency, *this, kAtDram, index);
 }
 
 // A miss that had waited for an MSHR is looked up again; its sector may have come meanwhile.
@@ -235,16 +245,16 @@ void MemorySystem::look_again(Cycles now, std::uint32_t index) {
     miss(ready, index, true);
   }
   // A request that had waited for an MSHR and then needed none leaves it to the next.
-  if (slice.mshrs_used < config_.l2.mshrs && !slice.blocked.empty()) {
+  if (slice.mshrs_used < config_.l2.mshrs && slice.blocked.size > 0) {
     wake_blocked(now, slice);
   }
 }
 
-void MemorySystem::respond(Cycles ready, std::uint32_t index) {
+inline void MemorySystem::respond(Cycles ready, std::uint32_t index) {
   const Request& r = requests_[index];
   // The slices' time: DRAM is ahead of it, and the slices will still ask for cycles from it on.
   const Cycles sent = slices_[r.slice].out.take(calendar_.now(), ready, sectors_in(r.sectors));
-  sm_calendars_[r.sm]->at(sent + config_.l2.crossbar_latency, *this, kAtSm, index);
+  sms_[r.sm].calendar->at(sent + config_.l2.crossbar_latency, *this, kAtSm, index);
 }
 
 void MemorySystem::insert(Cycles now, std::uint32_t slice, std::uint64_t local, SectorMask sectors,
@@ -259,7 +269,8 @@ void MemorySystem::insert(Cycles now, std::uint32_t slice, std::uint64_t local, 
     const std::uint32_t index = allocate();
     Request& r = requests_[index];
     r = {};
-    r.local = victim->line * kLineBytes + s * kSectorBytes;
+    r.local = victim->line * kLineBytes;
+    r.sectors = static_cast<SectorMask>(1u << s);
     r.slice = slice;
     r.kind = victim->kinds[s];
     r.write = true;
@@ -269,10 +280,13 @@ void MemorySystem::insert(Cycles now, std::uint32_t slice, std::uint64_t local, 
   });
 }
 
-std::uint64_t MemorySystem::channel_local(std::uint32_t slice, std::uint64_t local) const {
-  const std::uint64_t step = config_.l2.interleave.value;
-  const std::uint32_t per_channel = config_.l2.slices_per_channel;
-  return (local / step * per_channel + slice % per_channel) * step + local % step;
+// A sector goes to its channel, whose slices take turns in its memory.
+void MemorySystem::enqueue(Cycles now, std::uint32_t index) {
+  const Request& r = requests_[index];
+  const auto [row, within] = interleave_.divide(r.local + first_sector(r.sectors) * kSectorBytes);
+  const auto [channel, slice] = slices_per_channel_.divide(r.slice);
+  const std::uint64_t local = (row * slices_per_channel_.by() + slice) * interleave_.by() + within;
+  channels_[channel]->enqueue(now, local, r.write, index);
 }
 
 // The slice learns of the sector in its own time; those who wait for it are answered at once, as
@@ -288,11 +302,11 @@ void MemorySystem::dram_done(Cycles now, std::uint32_t tag) {
 
 // Nobody is answered before its own lookup has come through the pipe.
 void MemorySystem::answer_merged(Cycles now, std::uint32_t index) {
-  std::uint32_t i = merged_[index];
-  merged_[index] = kNil;
+  std::uint32_t i = misses_[index].merged;
+  misses_[index].merged = kNil;
   while (i != kNil) {
-    const std::uint32_t next = merged_[i];
-    respond(std::max(now, requests_[i].looked_up), i);
+    const std::uint32_t next = misses_[i].merged;
+    respond(std::max(now, misses_[i].looked_up), i);
     i = next;
   }
 }
@@ -300,26 +314,40 @@ void MemorySystem::answer_merged(Cycles now, std::uint32_t index) {
 void MemorySystem::fill(Cycles now, std::uint32_t index) {
   const Request r = requests_[index];
   Slice& slice = slices_[r.slice];
-  std::uint32_t* link = &slice.mshrs[bucket(r.local)];
+  std::uint32_t* link = &mshrs(r);
   while (*link != index) {
     link = &requests_[*link].next;
   }
   *link = r.next;
   --slice.mshrs_used;
   ++l2_counts_.fills;
-  if (!slice.tags.contains(Address{r.local})) {
+  if ((slice.tags.valid(Address{r.local}) & r.sectors) == 0) {
     insert(now, r.slice, r.local, r.sectors, r.kind, false);
   }
   answer_merged(now, index);
   release(index);
-  if (!slice.blocked.empty()) {
+  if (slice.blocked.size > 0) {
     wake_blocked(now, slice);
   }
 }
 
+void MemorySystem::block(Slice& slice, std::uint32_t index, bool first) {
+  Queue& queue = slice.blocked;
+  requests_[index].next = first ? queue.first : kNil;
+  if (queue.size++ == 0) {
+    queue.first = queue.last = index;
+  } else if (first) {
+    queue.first = index;
+  } else {
+    requests_[queue.last].next = index;
+    queue.last = index;
+  }
+}
+
 void MemorySystem::wake_blocked(Cycles now, Slice& slice) {
-  const std::uint32_t waiting = slice.blocked.front();
-  slice.blocked.pop_front();
+  const std::uint32_t waiting = slice.blocked.first;
+  slice.blocked.first = requests_[waiting].next;
+  --slice.blocked.size;
   calendar_.at(now, *this, kLookAgain, waiting);
 }
 
@@ -341,9 +369,9 @@ DramCounts MemorySystem::dram_counts() const {
 std::string MemorySystem::dump() const {
   std::string text = "memory: " + std::to_string(live_) + " requests between L1 and DRAM\n";
   for (std::size_t i = 0; i < slices_.size(); ++i) {
-    if (slices_[i].mshrs_used > 0 || !slices_[i].blocked.empty()) {
+    if (slices_[i].mshrs_used > 0 || slices_[i].blocked.size > 0) {
       text += "  l2[" + std::to_string(i) + "]: " + std::to_string(slices_[i].mshrs_used) +
-              " misses, " + std::to_string(slices_[i].blocked.size()) + " requests blocked\n";
+              " misses, " + std::to_string(slices_[i].blocked.size) + " requests blocked\n";
     }
   }
   for (std::size_t i = 0; i < channels_.size(); ++i) {

@@ -11,6 +11,7 @@
 
 #include "a2rt/timing/calendar.h"
 #include "a2rt/timing/clock.h"
+#include "a2rt/timing/divider.h"
 #include "a2rt/timing/machine_config.h"
 
 namespace a2rt::timing {
@@ -54,12 +55,14 @@ class DramChannel final : public Component {
     std::uint32_t hits = 0;                   // of them, for the open row
     std::uint64_t row = 0;
     bool open = false;
+    std::uint32_t place = 0;                               // in busy_
     Cycles column_ready, activate_ready, precharge_ready;  // command clock
   };
   void place(std::uint32_t index);
+  void remove(std::uint32_t index, std::uint32_t before);
   void schedule(Cycles own);
-  bool issue_column(Cycles own);
-  bool prepare_row(Cycles own);
+  void issue_column(Cycles own);
+  void prepare_row(Cycles own);
   Cycles next_chance(Cycles own) const;
   Cycles row_start(const Bank& bank) const;
   void book(Cycles own);
@@ -68,7 +71,9 @@ class DramChannel final : public Component {
   Calendar& calendar_;
   Client& client_;
   ClockDomain clock_;
+  Divider row_bytes_, bank_count_;
   std::vector<Bank> banks_;
+  std::vector<std::uint32_t> busy_;  // banks that have requests, in no order
   std::vector<Request> requests_;
   std::uint32_t free_ = kNil;
   std::uint32_t waiting_first_ = kNil, waiting_last_ = kNil;  // beyond the scheduler's window

@@ -12,13 +12,13 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "a2rt/timing/calendar.h"
 #include "a2rt/timing/clock.h"
+#include "a2rt/timing/divider.h"
 #include "a2rt/timing/dram_channel.h"
 #include "a2rt/timing/memory_port.h"
 #include "a2rt/timing/reserved_port.h"
@@ -34,8 +34,8 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   static Cycles stretch(const MachineConfig& config);
   // `calendar` is the SM's; it may be ahead of the slices' by stretch().
   void connect(std::uint32_t sm, LineSink& sink, Calendar& calendar) {
-    sinks_.at(sm) = &sink;
-    sm_calendars_.at(sm) = &calendar;
+    sms_.at(sm).sink = &sink;
+    sms_.at(sm).calendar = &calendar;
   }
 
   void request(Cycles leaves, std::uint32_t sm, Address line, SectorMask sectors, Traffic kind,
@@ -61,23 +61,38 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   enum Wake : std::uint32_t { kAtSlice, kLookAgain, kAtDram, kWriteAtDram, kFill, kAtSm, kIntoSm };
   static constexpr std::uint32_t kNil = 0xffffffffu;
   // Sectors of one line on their way, in consecutive cycles; below the L2's lookup, misses go one
-  // by one.
+  // by one. Half a line of the host.
   struct Request {
     Address line;
-    std::uint64_t local = 0;  // of the line, within the slice; of the sector, once missed
+    std::uint64_t local = 0;  // of the line, within the slice
     std::uint32_t sm = 0, slice = 0, next = kNil;
     Traffic kind = Traffic::kNone;
     SectorMask sectors = 0;
     bool write = false;
-    Cycles looked_up;  // end of its way through the L2's pipe
+  };
+  // What only a request that missed has.
+  struct Miss {
+    Cycles looked_up;             // end of its way through the L2's pipe
+    std::uint32_t merged = kNil;  // who waits for the same sector, chained
+  };
+  // Requests chained by `next`, oldest first.
+  struct Queue {
+    std::uint32_t first = kNil, last = kNil, size = 0;
   };
   struct Slice {
-    TagStore tags;
-    Cycles lookup_free;                // L2 clock
-    ReservedPort out;                  // core clock
-    std::vector<std::uint32_t> mshrs;  // hash buckets of request indices, chained by `next`
+    explicit Slice(const L2Config& config) : tags(config.slice_capacity, config.ways, "l2") {}
+    Cycles lookup_free;  // L2 clock
+    ReservedPort out;    // core clock
     std::uint32_t mshrs_used = 0;
-    std::deque<std::uint32_t> blocked;  // oldest first; who comes later waits behind them
+    Queue blocked;  // who comes later waits behind them
+    TagStore tags;
+  };
+  // The crossbar's end at an SM.
+  struct SmPort {
+    LineSink* sink = nullptr;
+    Calendar* calendar = nullptr;
+    Cycles in_free;
+    ReservedPort out;
   };
   // A lookup or a fill that the slices will come to in their next stretch.
   struct Coming {
@@ -90,8 +105,10 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   Cycles look_up(Cycles now, Slice& slice, std::uint32_t sectors);
   Cycles core_time(Cycles start, std::uint32_t position) const;
   void split(Cycles start, std::uint32_t index, SectorMask hits);
+  std::uint32_t& mshrs(const Request& r);
   void look_again(Cycles now, std::uint32_t index);
   void miss(Cycles looked_up, std::uint32_t index, bool waited);
+  void block(Slice& slice, std::uint32_t index, bool first);
   void wake_blocked(Cycles now, Slice& slice);
   void fill(Cycles now, std::uint32_t index);
   void answer_merged(Cycles now, std::uint32_t index);
@@ -100,25 +117,20 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   void respond(Cycles ready, std::uint32_t index);
   void insert(Cycles now, std::uint32_t slice, std::uint64_t local, SectorMask sectors,
               Traffic kind, bool dirty);
-  std::uint64_t channel_local(std::uint32_t slice, std::uint64_t local) const;
+  void enqueue(Cycles now, std::uint32_t index);
   void dram_done(Cycles now, std::uint32_t tag) override;
-  std::size_t bucket(std::uint64_t local) const {
-    return ((local / kSectorBytes) * 0x9e3779b97f4a7c15u) >> 56;
-  }
 
   MachineConfig config_;
   Calendar& calendar_;
   Calendar& dram_calendar_;
   ClockDomain l2_clock_;
+  Divider interleave_, slice_count_, slices_per_channel_;
   std::vector<Slice> slices_;
   std::vector<std::unique_ptr<DramChannel>> channels_;
-  std::vector<LineSink*> sinks_;
-  std::vector<Calendar*> sm_calendars_;
-  std::vector<ReservedPort> sm_out_;
-  std::vector<Cycles> sm_in_free_;
+  std::vector<SmPort> sms_;
   std::vector<Request> requests_;
-  // Who waits for a sector that is on its way, chained behind the request that fetches it.
-  std::vector<std::uint32_t> merged_;
+  std::vector<Miss> misses_;          // by request
+  std::vector<std::uint32_t> mshrs_;  // hash buckets of misses, chained by `next`
   std::uint32_t free_ = kNil;
   std::uint64_t live_ = 0;
   std::vector<Coming> coming_;
