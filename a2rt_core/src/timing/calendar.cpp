@@ -22,7 +22,6 @@ void Calendar::push_far(Cycles when, Component* who, std::uint32_t what, std::ui
   A2RT_CHECK(when >= now_, "an appointment was made in the past");
   far_.push_back({when, made_, who, what, value});
   std::push_heap(far_.begin(), far_.end(), kLater);
-  pull_at_ = far_.front().when - Cycles{kWheel - 1};
 }
 
 // Everything that has come near goes to the wheel before anything else can be made for its cycle.
@@ -33,7 +32,6 @@ void Calendar::pull_far() {
     far_.pop_back();
     place(far.when.value % kWheel, far.who, far.what, far.value);
   }
-  pull_at_ = far_.empty() ? kNever : far_.front().when - Cycles{kWheel - 1};
 }
 
 Cycles Calendar::next_in_other_words() const {

@@ -64,7 +64,8 @@ class Calendar {
   // Lets time pass to `when`; everything before it must have been kept.
   void move_to(Cycles when) {
     A2RT_CHECK(when >= now_ && next() >= when, "an appointment was passed over");
-    advance(when);
+    now_ = when;
+    pull_far();
   }
   // Cycle of the next appointment, or kNever; at most a turn of the wheel ahead, where a far one is
   // looked for again.
@@ -111,18 +112,15 @@ class Calendar {
     made = {who, value, place << kWhatBits | what};
     std::uint64_t& word = occupied_[index / 64];
     const std::uint64_t bit = std::uint64_t{1} << (index % 64);
-    // The first of a bucket is its own predecessor, so both cases take the same steps.
-    Appointment& last = appointments_[(word & bit) != 0 ? buckets_[index] : place];
+    // The first of a bucket is its own predecessor, so both cases take the same steps; a branch
+    // here would be a toss-up.
+    const std::uint32_t before = buckets_[index];
+    const std::uint32_t occupied = -static_cast<std::uint32_t>((word & bit) != 0);
+    Appointment& last = appointments_[place ^ ((place ^ before) & occupied)];
     made.set_next(last.next());
     last.set_next(place);
     buckets_[index] = place;
     word |= bit;
-  }
-  void advance(Cycles to) {
-    now_ = to;
-    if (to >= pull_at_) [[unlikely]] {
-      pull_far();
-    }
   }
   void add_place();
   void serve(Cycles at);
@@ -135,19 +133,19 @@ class Calendar {
   std::uint64_t made_ = 0;
   Cycles now_;
   Cycles last_progress_;
-  Cycles pull_at_ = kNever;  // when the first far appointment becomes a near one
   std::array<std::uint64_t, kWheel / 64> occupied_{};
   std::array<std::uint32_t, kWheel> buckets_{};  // the last of a ring, if occupied
   std::vector<Far> far_;                         // heap, earliest first
 };
 
 inline void Calendar::serve(Cycles at) {
-  advance(at);
+  now_ = at;
   const std::size_t index = at.value % kWheel;
-  std::uint64_t& word = occupied_[index / 64];
-  const std::uint64_t bit = std::uint64_t{1} << (index % 64);
-  if ((word & bit) == 0) [[unlikely]] {
-    return;  // a far appointment is farther than a turn
+  if (!far_.empty()) [[unlikely]] {
+    pull_far();
+    if ((occupied_[index / 64] >> (index % 64) & 1) == 0) {
+      return;  // the far ones are farther than a turn
+    }
   }
   const std::uint32_t& last = buckets_[index];
   // Appointments made for this very cycle while it runs are appended and kept too.
@@ -161,7 +159,7 @@ inline void Calendar::serve(Cycles at) {
   const std::uint32_t first = appointments_[place].next();
   appointments_[place].set_next(free_);
   free_ = first;
-  word ^= bit;
+  occupied_[index / 64] &= ~(std::uint64_t{1} << (index % 64));
 }
 
 }  // namespace a2rt::timing
