@@ -102,22 +102,12 @@ void Sm::make_ready(Cycles now, std::uint32_t slot, Cycles ready) {
 
 // Cycle before which the warp cannot be through with its phase's arithmetic.
 Cycles Sm::earliest_end(const Scheduler& scheduler, const Front& front) const {
+  const Cycles at = std::max(front.ready, scheduler.free) + front.span;
+  if (front.sfu == 0) {
+    return at;
+  }
   const SmConfig& sm = config_.sm;
-  Cycles at = std::max(front.ready, scheduler.free);
-  const auto bursts = [&](std::uint32_t n, Cycles latency) {
-    const std::uint32_t whole = n / sm.independent_instructions;
-    const std::uint32_t rest = n % sm.independent_instructions;
-    at += (Cycles{sm.independent_instructions - 1} + latency) * whole;
-    at += rest > 0 ? Cycles{rest - 1} + latency : Cycles{0};
-  };
-  if ((front.uniform | front.alu) != 0) {
-    bursts(front.uniform, sm.uniform_latency);
-    bursts(front.alu, sm.alu_latency);
-  }
-  if (front.sfu > 0) {
-    at = std::max(at, scheduler.sfu_free) + sm.sfu_interval * (front.sfu - 1) + sm.sfu_latency;
-  }
-  return at;
+  return std::max(at, scheduler.sfu_free) + sm.sfu_interval * (front.sfu - 1) + sm.sfu_latency;
 }
 
 // Books the scheduler for the first cycle in which a warp may reach something beyond arithmetic.
@@ -162,17 +152,16 @@ Sm::Choice Sm::choose(const Scheduler& scheduler, std::uint32_t index) const {
 void Sm::advance(Cycles end, std::uint32_t index) {
   Scheduler& scheduler = schedulers_[index];
   while (!scheduler.ready.empty()) {
-    Choice choice = choose(scheduler, index);
+    const Choice choice = choose(scheduler, index);
     if (choice.at >= end) {
       return;
     }
-    // A warp alone goes on by itself.
     Front& front = fronts_[choice.slot];
-    bool issued = false;
-    do {
-      issued |= step(choice.at, choice.slot, index) == Issue::kIssued;
-      choice.at = std::max(front.ready, scheduler.free);
-    } while (scheduler.ready.size() == 1 && front.state == State::kReady && choice.at < end);
+    // A warp alone goes on by itself.
+    const Cycles until = scheduler.ready.size() == 1 ? end : choice.at + Cycles{1};
+    const bool issued = front.has_arithmetic()
+                            ? issue_arithmetic(choice.at, until, front, scheduler)
+                            : step(choice.at, choice.slot, scheduler);
     if (issued) {
       scheduler.last = choice.slot;
       calendar_.progress();

@@ -44,6 +44,8 @@ void Sm::begin_phase(std::uint32_t slot) {
   Front& front = fronts_[slot];
   front.alu = ceil_div(warp.alu, warp.phases);
   front.sfu = ceil_div(warp.sfu, warp.phases);
+  front.span = bursts_span(front.uniform, config_.sm.uniform_latency) +
+               bursts_span(front.alu, config_.sm.alu_latency);
   warp.loads_phase = std::min(warp.loads, config_.sm.loads_in_flight);
   warp.alu -= front.alu;
   warp.sfu -= front.sfu;
@@ -51,18 +53,21 @@ void Sm::begin_phase(std::uint32_t slot) {
   --warp.phases;
 }
 
-void Sm::spend(Cycles now, Scheduler& scheduler, std::uint32_t slots, SchedulerReason reason) {
-  A2RT_CHECK(now >= scheduler.free, "a scheduler issued twice in one cycle");
-  account(now, scheduler);
-  scheduler.free = now + Cycles{slots};
-  scheduler.attribution.until(scheduler.free, reason);
+// How long so many instructions take a warp alone.
+Cycles Sm::bursts_span(std::uint32_t instructions, Cycles latency) const {
+  return latency * ceil_div(instructions, config_.sm.independent_instructions) +
+         Cycles{instructions - ceil_div(instructions, config_.sm.independent_instructions)};
 }
 
-Sm::Issue Sm::step(Cycles now, std::uint32_t slot, std::uint32_t index) {
-  Scheduler& scheduler = schedulers_[index];
-  if (fronts_[slot].has_arithmetic()) {
-    return issue_arithmetic(now, fronts_[slot], scheduler);
-  }
+// The warp is ready, so up to `now` its scheduler waited for results.
+void Sm::spend(Cycles now, Scheduler& scheduler, std::uint32_t slots, SchedulerReason reason) {
+  A2RT_CHECK(now >= scheduler.free, "a scheduler issued twice in one cycle");
+  scheduler.free = now + Cycles{slots};
+  scheduler.attribution.until(scheduler.free, slots, reason, SchedulerReason::kWaitDependency);
+}
+
+// What a warp does in cycle `now` once its phase's arithmetic is done.
+bool Sm::step(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
   A2RT_CHECK(now == calendar_.now(), "a warp left its arithmetic in the past");
   const Warp& warp = warps_[slot];
   if (warp.loads_phase > 0) {
@@ -70,7 +75,7 @@ Sm::Issue Sm::step(Cycles now, std::uint32_t slot, std::uint32_t index) {
   }
   if (warp.phases > 0) {
     begin_phase(slot);
-    return Issue::kAgain;
+    return false;
   }
   if (warp.stores > 0) {
     return issue_store(now, slot, scheduler);
@@ -78,28 +83,52 @@ Sm::Issue Sm::step(Cycles now, std::uint32_t slot, std::uint32_t index) {
   return end_segment(now, slot, scheduler);
 }
 
-Sm::Issue Sm::issue_arithmetic(Cycles now, Front& front, Scheduler& scheduler) {
+// Issues arithmetic from cycle `at` on, as far as nothing else can be issued before `end`.
+bool Sm::issue_arithmetic(Cycles at, Cycles end, Front& front, Scheduler& scheduler) {
   const SmConfig& sm = config_.sm;
-  if (front.uniform > 0 || front.alu > 0) {
-    std::uint32_t& left = front.uniform > 0 ? front.uniform : front.alu;
-    const Cycles latency = front.uniform > 0 ? sm.uniform_latency : sm.alu_latency;
-    const std::uint32_t burst = std::min(left, sm.independent_instructions);
-    (front.uniform > 0 ? counts_.uniform : counts_.alu) += burst;
-    left -= burst;
-    spend(now, scheduler, burst, SchedulerReason::kIssueAlu);
-    front.ready = now + Cycles{burst - 1} + latency;
-    return Issue::kIssued;
+  if (front.uniform > 0) {
+    counts_.uniform += issue_bursts(at, end, front.uniform, sm.uniform_latency, front, scheduler);
+    return true;
   }
-  if (scheduler.sfu_free > now) {
+  if (front.alu > 0) {
+    counts_.alu += issue_bursts(at, end, front.alu, sm.alu_latency, front, scheduler);
+    return true;
+  }
+  if (scheduler.sfu_free > at) {
     front.ready = scheduler.sfu_free;
-    return Issue::kNothing;
+    return false;
   }
   --front.sfu;
   ++counts_.sfu;
-  spend(now, scheduler, 1, SchedulerReason::kIssueSfu);
-  scheduler.sfu_free = now + sm.sfu_interval;
-  front.ready = now + (front.sfu > 0 ? sm.sfu_interval : sm.sfu_latency);
-  return Issue::kIssued;
+  spend(at, scheduler, 1, SchedulerReason::kIssueSfu);
+  scheduler.sfu_free = at + sm.sfu_interval;
+  front.ready = at + (front.sfu > 0 ? sm.sfu_interval : sm.sfu_latency);
+  return true;
+}
+
+// Issues the bursts of one kind of instruction that begin before `end`: each when the one before
+// has its results. Returns how many instructions that are.
+std::uint32_t Sm::issue_bursts(Cycles at, Cycles end, std::uint32_t& left, Cycles latency,
+                               Front& front, Scheduler& scheduler) {
+  const std::uint32_t burst = config_.sm.independent_instructions;
+  const Cycles period = Cycles{burst - 1} + latency;
+  Cycles last = at;
+  std::uint32_t whole = 0;  // bursts before the last
+  if (left > burst && at + period < end) {
+    const std::uint64_t fit = (end.value - at.value - 1) / period.value;
+    whole = static_cast<std::uint32_t>(std::min<std::uint64_t>(fit, (left - 1) / burst));
+    last += period * whole;
+  }
+  const std::uint32_t in_last = std::min(left - whole * burst, burst);
+  const std::uint32_t issued = whole * burst + in_last;
+  left -= issued;
+  A2RT_CHECK(at >= scheduler.free, "a scheduler issued twice in one cycle");
+  scheduler.free = last + Cycles{in_last};
+  scheduler.attribution.until(scheduler.free, issued, SchedulerReason::kIssueAlu,
+                              SchedulerReason::kWaitDependency);
+  front.ready = last + Cycles{in_last - 1} + latency;
+  front.span = front.span - (front.ready - at);
+  return issued;
 }
 
 // Puts an access's sectors, sorted, into the queue: one entry per line.
@@ -124,12 +153,12 @@ void Sm::queue_sectors(Cycles now, std::uint32_t slot, ShaderAccess access, std:
   kick_lsu(now);
 }
 
-Sm::Issue Sm::issue_load(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
+bool Sm::issue_load(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
   Warp& warp = warps_[slot];
   Front& front = fronts_[slot];
   if (lsu_sectors_ >= config_.sm.lsu_queue) {
     set_state(now, slot, State::kLsu);
-    return Issue::kNothing;
+    return false;
   }
   static constexpr ShaderAccess kAccess[] = {ShaderAccess::kBufferLoad, ShaderAccess::kTexture,
                                              ShaderAccess::kPayload};
@@ -143,7 +172,7 @@ Sm::Issue Sm::issue_load(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
   spend(now, scheduler, 1, SchedulerReason::kIssueMemory);
   if (config_.shader_memory == ShaderMemory::kIdeal) {
     front.ready = now + (warp.loads_phase > 0 ? Cycles{1} : config_.l1.latency);
-    return Issue::kIssued;
+    return true;
   }
   queue_sectors(now, slot, kAccess[kind], ordinal, false);
   front.ready = now + Cycles{1};
@@ -151,14 +180,14 @@ Sm::Issue Sm::issue_load(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
     set_state(now, slot, State::kMemory);
     data_known(now, slot);
   }
-  return Issue::kIssued;
+  return true;
 }
 
-Sm::Issue Sm::issue_store(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
+bool Sm::issue_store(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
   Warp& warp = warps_[slot];
   if (lsu_sectors_ >= config_.sm.lsu_queue) {
     set_state(now, slot, State::kLsu);
-    return Issue::kNothing;
+    return false;
   }
   const std::size_t kind = warp.stores_left[0] > 0 ? 0 : 1;
   const std::uint32_t ordinal = --warp.stores_left[kind];
@@ -170,20 +199,20 @@ Sm::Issue Sm::issue_store(Cycles now, std::uint32_t slot, Scheduler& scheduler) 
                   ordinal, true);
   }
   fronts_[slot].ready = now + Cycles{1};
-  return Issue::kIssued;
+  return true;
 }
 
-Sm::Issue Sm::end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
+bool Sm::end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
   Warp& warp = warps_[slot];
   if (warp.judging) {
     if (warp.program.next_judgement(warp.jobs, warp.work)) {
       begin_work(slot);
-      return Issue::kAgain;
+      return false;
     }
     warp.judging = false;
     set_state(now, slot, State::kInRt);
     rt_.candidates_done(now, slot);
-    return Issue::kNothing;
+    return false;
   }
   const bool traces =
       std::any_of(warp.rays.begin(), warp.rays.end(), [](std::uint32_t r) { return r != kNone; });
@@ -197,14 +226,14 @@ Sm::Issue Sm::end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler) 
       set_state(now, slot, State::kRtSlot);
       waiting_for_rt_.push_back(slot);
     }
-    return Issue::kIssued;
+    return true;
   }
   if (warp.program.next(warp.work, warp.rays)) {
     begin_work(slot);
-    return Issue::kAgain;
+    return false;
   }
   retire(now, slot);
-  return Issue::kNothing;
+  return false;
 }
 
 void Sm::enter_rt(Cycles now, std::uint32_t slot) {

@@ -90,7 +90,8 @@ class Sm final : public Component, public RtHost, public L1Client {
   // What a scheduler looks at in every cycle, apart from the rest to stay in the host's caches.
   struct Front {
     Cycles ready;
-    std::uint64_t age = 0;
+    Cycles span;  // of its uniform and ALU instructions, from the first issue to the last result
+    std::uint32_t age = 0;
     std::uint32_t uniform = 0, alu = 0, sfu = 0;  // left of the phase
     State state = State::kEmpty;
     std::uint8_t scheduler = 0;
@@ -127,8 +128,6 @@ class Sm final : public Component, public RtHost, public L1Client {
     SectorMask sectors;
     bool write;
   };
-  enum class Issue : std::uint8_t { kNothing, kAgain, kIssued };
-
   // sm.cpp: scheduling
   void issue(Cycles now, std::uint32_t scheduler);
   void advance(Cycles end, std::uint32_t scheduler);
@@ -136,6 +135,7 @@ class Sm final : public Component, public RtHost, public L1Client {
     std::uint32_t slot;
     Cycles at;
   };
+  Cycles bursts_span(std::uint32_t instructions, Cycles latency) const;
   Cycles earliest_end(const Scheduler& scheduler, const Front& front) const;
   Choice choose(const Scheduler& scheduler, std::uint32_t index) const;
   void book(Cycles now, std::uint32_t scheduler);
@@ -149,11 +149,14 @@ class Sm final : public Component, public RtHost, public L1Client {
   // sm_segment.cpp: a warp's way through its segment
   void begin_work(std::uint32_t slot);
   void begin_phase(std::uint32_t slot);
-  Issue step(Cycles now, std::uint32_t slot, std::uint32_t scheduler);
-  Issue issue_arithmetic(Cycles now, Front& front, Scheduler& scheduler);
-  Issue issue_load(Cycles now, std::uint32_t slot, Scheduler& scheduler);
-  Issue issue_store(Cycles now, std::uint32_t slot, Scheduler& scheduler);
-  Issue end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler);
+  // These return whether anything was issued.
+  bool issue_arithmetic(Cycles at, Cycles end, Front& front, Scheduler& scheduler);
+  bool step(Cycles now, std::uint32_t slot, Scheduler& scheduler);
+  bool issue_load(Cycles now, std::uint32_t slot, Scheduler& scheduler);
+  bool issue_store(Cycles now, std::uint32_t slot, Scheduler& scheduler);
+  bool end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler);
+  std::uint32_t issue_bursts(Cycles at, Cycles end, std::uint32_t& left, Cycles latency,
+                             Front& front, Scheduler& scheduler);
   void enter_rt(Cycles now, std::uint32_t slot);
   void queue_sectors(Cycles now, std::uint32_t slot, ShaderAccess access, std::uint32_t ordinal,
                      bool write);
@@ -191,7 +194,7 @@ class Sm final : public Component, public RtHost, public L1Client {
   SmHost::NewWarp new_warp_{};
   std::deque<Cycles> turns_;  // in order
   std::uint32_t resident_ = 0;
-  std::uint64_t age_ = 0;
+  std::uint32_t age_ = 0;
   SmCounts counts_;
   BinnedSeries occupancy_;
   Cycles occupancy_until_;
