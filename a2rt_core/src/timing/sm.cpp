@@ -7,7 +7,6 @@
 namespace a2rt::timing {
 namespace {
 
-constexpr std::uint32_t kNoSlot = 0xffffffffu;
 constexpr Cycles kNever{std::numeric_limits<std::uint64_t>::max()};
 
 }  // namespace
@@ -129,20 +128,21 @@ void Sm::book(Cycles now, std::uint32_t index) {
   calendar_.at(when, *this, kIssue, index);
 }
 
-// The first cycle in which some warp can issue, and which one does. Greedy then oldest: the warp
-// that issued last if it can, else the oldest that can. There must be a ready warp.
-Sm::Choice Sm::choose(const Scheduler& scheduler, std::uint32_t index) const {
-  Choice best{kNoSlot, kNever};
+// Which of the ready warps issues next. Greedy then oldest: of those that can issue first the one
+// that issued last, else the oldest.
+std::uint32_t Sm::choose(const Scheduler& scheduler) const {
+  std::uint32_t best = kNoSlot;
+  Cycles first = kNever;
+  std::uint64_t first_rank = 0;
   for (const std::uint32_t slot : scheduler.ready) {
     const Front& front = fronts_[slot];
     const Cycles at = std::max(front.ready, scheduler.free);
-    if (at < best.at || (at == best.at && front.age < fronts_[best.slot].age)) {
-      best = {slot, at};
+    const std::uint64_t rank = slot == scheduler.last ? 0 : std::uint64_t{front.age} + 1;
+    if (at < first || (at == first && rank < first_rank)) {
+      best = slot;
+      first = at;
+      first_rank = rank;
     }
-  }
-  const Front& last = fronts_[scheduler.last];
-  if (last.scheduler == index && last.state == State::kReady && last.ready <= best.at) {
-    best.slot = scheduler.last;
   }
   return best;
 }
@@ -152,18 +152,20 @@ Sm::Choice Sm::choose(const Scheduler& scheduler, std::uint32_t index) const {
 void Sm::advance(Cycles end, std::uint32_t index) {
   Scheduler& scheduler = schedulers_[index];
   while (!scheduler.ready.empty()) {
-    const Choice choice = choose(scheduler, index);
-    if (choice.at >= end) {
+    // A warp alone goes on by itself.
+    const bool alone = scheduler.ready.size() == 1;
+    const std::uint32_t slot = alone ? scheduler.ready.front() : choose(scheduler);
+    Front& front = fronts_[slot];
+    const Cycles at = std::max(front.ready, scheduler.free);
+    if (at >= end) {
       return;
     }
-    Front& front = fronts_[choice.slot];
-    // A warp alone goes on by itself.
-    const Cycles until = scheduler.ready.size() == 1 ? end : choice.at + Cycles{1};
-    const bool issued = front.has_arithmetic()
-                            ? issue_arithmetic(choice.at, until, front, scheduler)
-                            : step(choice.at, choice.slot, scheduler);
+    const bool issued =
+        front.has_arithmetic()
+            ? issue_arithmetic(at, alone ? end : at + Cycles{1}, front, scheduler)
+            : step(at, slot, scheduler);
     if (issued) {
-      scheduler.last = choice.slot;
+      scheduler.last = slot;
       calendar_.progress();
     }
   }

@@ -86,6 +86,7 @@ class Sm final : public Component, public RtHost, public L1Client {
 
  private:
   enum Wake : std::uint32_t { kIssue, kLsuPort, kData, kJudge };
+  static constexpr std::uint32_t kNoSlot = 0xffffffffu;
   enum class State : std::uint8_t { kEmpty, kReady, kMemory, kLsu, kRtSlot, kInRt, kCount };
   // What a scheduler looks at in every cycle, apart from the rest to stay in the host's caches.
   struct Front {
@@ -114,7 +115,7 @@ class Sm final : public Component, public RtHost, public L1Client {
     std::array<std::uint32_t, 2> stores_left{};  // buffer, payload
   };
   struct Scheduler {
-    std::uint32_t last = 0;  // slot issued last
+    std::uint32_t last = kNoSlot;  // issued last
     Cycles free, sfu_free;
     bool booked = false;
     Cycles booked_at;
@@ -131,13 +132,9 @@ class Sm final : public Component, public RtHost, public L1Client {
   // sm.cpp: scheduling
   void issue(Cycles now, std::uint32_t scheduler);
   void advance(Cycles end, std::uint32_t scheduler);
-  struct Choice {
-    std::uint32_t slot;
-    Cycles at;
-  };
   Cycles bursts_span(std::uint32_t instructions, Cycles latency) const;
   Cycles earliest_end(const Scheduler& scheduler, const Front& front) const;
-  Choice choose(const Scheduler& scheduler, std::uint32_t index) const;
+  std::uint32_t choose(const Scheduler& scheduler) const;
   void book(Cycles now, std::uint32_t scheduler);
   void set_state(Cycles now, std::uint32_t slot, State state);
   void make_ready(Cycles now, std::uint32_t slot, Cycles ready);
