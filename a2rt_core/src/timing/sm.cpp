@@ -29,6 +29,7 @@ Sm::Sm(const MachineConfig& config, std::uint32_t index, Calendar& calendar, Low
     const std::size_t scheduler = slot % schedulers_.size();
     fronts_[slot].scheduler = static_cast<std::uint8_t>(scheduler);
     ++schedulers_[scheduler].states[static_cast<std::size_t>(State::kEmpty)];
+    warps_[slot].addresses.thread_block = index * config.sm.warps + slot;
   }
 }
 
@@ -43,19 +44,21 @@ bool Sm::launch(Cycles now) {
   Warp& warp = warps_[slot];
   warp.program = new_warp_.program;
   warp.number = new_warp_.number;
-  warp.width = new_warp_.width;
+  warp.addresses.first_launch = warp.program.launch(0);
+  warp.addresses.width = new_warp_.width;
   warp.judging = false;
   warp.launched = warp.data = now;
   warp.outstanding = 0;
   free->age = age_++;
   ++resident_;
   ++counts_.warps;
-  if (!warp.program.next(warp.work, warp.rays)) {
+  SegmentWork work;
+  if (!warp.program.next(work, warp.rays)) {
     set_state(now, slot, State::kReady);
     retire(now, slot);
     return true;
   }
-  begin_work(slot);
+  begin_work(slot, work);
   make_ready(now, slot, now);
   return true;
 }
@@ -160,10 +163,9 @@ void Sm::advance(Cycles end, std::uint32_t index) {
     if (at >= end) {
       return;
     }
-    const bool issued =
-        front.has_arithmetic()
-            ? issue_arithmetic(at, alone ? end : at + Cycles{1}, front, scheduler)
-            : step(at, slot, scheduler);
+    const bool issued = front.has_arithmetic()
+                            ? issue_arithmetic(at, alone ? end : at + Cycles{1}, front, scheduler)
+                            : step(at, slot, scheduler);
     if (issued) {
       scheduler.last = slot;
       calendar_.progress();
@@ -196,8 +198,9 @@ void Sm::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
     case kJudge: {
       Warp& warp = warps_[value];
       warp.judging = true;
-      A2RT_CHECK(warp.program.next_judgement(warp.jobs, warp.work), "no candidate to judge");
-      begin_work(value);
+      SegmentWork work;
+      A2RT_CHECK(warp.program.next_judgement(warp.jobs, work), "no candidate to judge");
+      begin_work(value, work);
       make_ready(now, value, now);
       return;
     }
@@ -209,12 +212,12 @@ void Sm::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
 void Sm::rays_done(Cycles now, std::uint32_t slot, Cycles ready) {
   Warp& warp = warps_[slot];
   counts_.rt_warp_cycles += ready.value - warp.traced.value;
-  if (!warp.program.next(warp.work, warp.rays)) {
+  SegmentWork work;
+  if (!warp.program.next(work, warp.rays)) {
     // Nothing follows: the warp ends with its rays.
-    warp.work = {};
     warp.rays.fill(kNone);
   }
-  begin_work(slot);
+  begin_work(slot, work);
   make_ready(now, slot, ready);
 }
 

@@ -13,10 +13,9 @@ std::uint32_t count_of(const SegmentWork& work, capture::Counter counter) {
 
 }  // namespace
 
-void Sm::begin_work(std::uint32_t slot) {
+void Sm::begin_work(std::uint32_t slot, const SegmentWork& work) {
   using capture::Counter;
   Warp& warp = warps_[slot];
-  const SegmentWork& work = warp.work;
   const std::uint32_t words = config_.sm.words_per_load;
   const std::uint32_t payload = ceil_div(count_of(work, Counter::kPayload), words);
   warp.alu = count_of(work, Counter::kAlu) + count_of(work, Counter::kControl);
@@ -31,8 +30,9 @@ void Sm::begin_work(std::uint32_t slot) {
   for (std::size_t c = 0; c < capture::kCounters; ++c) {
     counts_.lane_operations[c] += work.lane_sum[c];
   }
+  warp.addresses.lanes = work.lanes;
   if (warp.loads_left[0] > 0) {
-    addresses_.find_records(work, warp.program, warp.records);
+    addresses_.find_records(work.shader, warp.program, warp.addresses);
   }
   fronts_[slot].uniform = ceil_div(count_of(work, Counter::kUniformLoad), words);
   begin_phase(slot);
@@ -131,25 +131,18 @@ std::uint32_t Sm::issue_bursts(Cycles at, Cycles end, std::uint32_t& left, Cycle
   return issued;
 }
 
-// Puts an access's sectors, sorted, into the queue: one entry per line.
-void Sm::queue_sectors(Cycles now, std::uint32_t slot, ShaderAccess access, std::uint32_t ordinal,
-                       bool write) {
+// Puts an access into the queue: one entry per line.
+void Sm::queue_lines(Cycles now, std::uint32_t slot, ShaderAccess access, std::uint32_t ordinal,
+                     bool write) {
   Warp& warp = warps_[slot];
-  const std::uint32_t block = index_ * config_.sm.warps + slot;
-  addresses_.sectors(access, ordinal, warp.work, warp.program, warp.records, warp.width, block,
-                     scratch_);
-  for (std::size_t i = 0; i < scratch_.size();) {
-    const std::uint64_t line = line_of(scratch_[i]);
-    SectorMask sectors = 0;
-    for (; i < scratch_.size() && line_of(scratch_[i]) == line; ++i) {
-      sectors = static_cast<SectorMask>(sectors | 1u << sector_index(scratch_[i]));
-    }
-    lsu_.push_back({Address{line * kLineBytes}, slot, sectors, write});
-  }
-  const auto sectors = static_cast<std::uint32_t>(scratch_.size());
-  warp.outstanding += write ? 0 : sectors;
-  lsu_sectors_ += sectors;
-  counts_.lsu_sectors += sectors;
+  std::uint32_t count = 0;
+  addresses_.lines(access, ordinal, warp.addresses, [&](std::uint64_t line, SectorMask sectors) {
+    lsu_.push_back({line, slot, sectors, write});
+    count += sectors_in(sectors);
+  });
+  warp.outstanding += write ? 0 : count;
+  lsu_sectors_ += count;
+  counts_.lsu_sectors += count;
   kick_lsu(now);
 }
 
@@ -174,7 +167,7 @@ bool Sm::issue_load(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
     front.ready = now + (warp.loads_phase > 0 ? Cycles{1} : config_.l1.latency);
     return true;
   }
-  queue_sectors(now, slot, kAccess[kind], ordinal, false);
+  queue_lines(now, slot, kAccess[kind], ordinal, false);
   front.ready = now + Cycles{1};
   if (warp.loads_phase == 0 && (warp.outstanding > 0 || warp.data > front.ready)) {
     set_state(now, slot, State::kMemory);
@@ -195,8 +188,8 @@ bool Sm::issue_store(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
   ++counts_.stores;
   spend(now, scheduler, 1, SchedulerReason::kIssueMemory);
   if (config_.shader_memory != ShaderMemory::kIdeal) {
-    queue_sectors(now, slot, kind == 0 ? ShaderAccess::kBufferStore : ShaderAccess::kPayload,
-                  ordinal, true);
+    queue_lines(now, slot, kind == 0 ? ShaderAccess::kBufferStore : ShaderAccess::kPayload, ordinal,
+                true);
   }
   fronts_[slot].ready = now + Cycles{1};
   return true;
@@ -205,8 +198,9 @@ bool Sm::issue_store(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
 bool Sm::end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
   Warp& warp = warps_[slot];
   if (warp.judging) {
-    if (warp.program.next_judgement(warp.jobs, warp.work)) {
-      begin_work(slot);
+    SegmentWork work;
+    if (warp.program.next_judgement(warp.jobs, work)) {
+      begin_work(slot, work);
       return false;
     }
     warp.judging = false;
@@ -228,8 +222,9 @@ bool Sm::end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
     }
     return true;
   }
-  if (warp.program.next(warp.work, warp.rays)) {
-    begin_work(slot);
+  SegmentWork work;
+  if (warp.program.next(work, warp.rays)) {
+    begin_work(slot, work);
     return false;
   }
   retire(now, slot);
@@ -259,13 +254,13 @@ void Sm::data_known(Cycles now, std::uint32_t slot) {
 
 void Sm::send(Cycles now, LsuEntry& entry) {
   if (entry.write) {
-    l1_.write(now, lsu_port_, entry.line, entry.sectors, Traffic::kShader);
+    l1_.write(now, lsu_port_, Address{entry.line * kLineBytes}, entry.sectors, Traffic::kShader);
     lsu_sectors_ -= sectors_in(entry.sectors);
     entry.sectors = 0;
     return;
   }
-  const L1Cache::Lookup found =
-      l1_.read(now, lsu_port_, entry.line, entry.sectors, Traffic::kShader, *this, entry.slot);
+  const L1Cache::Lookup found = l1_.read(now, lsu_port_, Address{entry.line * kLineBytes},
+                                         entry.sectors, Traffic::kShader, *this, entry.slot);
   lsu_blocked_ = found.mshrs_full;
   lsu_sectors_ -= sectors_in(found.accepted);
   entry.sectors = static_cast<SectorMask>(entry.sectors & ~found.accepted);

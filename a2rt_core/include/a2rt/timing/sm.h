@@ -101,12 +101,11 @@ class Sm final : public Component, public RtHost, public L1Client {
   struct Warp {
     bool judging = false;
     Cycles launched, traced, data;
-    std::uint32_t number = 0, width = 1;
+    std::uint32_t number = 0;
     std::uint32_t outstanding = 0;  // sectors loaded, of unknown arrival
     WarpProgram program;
-    SegmentWork work;
+    LaneAddresses addresses;
     LaneRays rays{};
-    LaneRecords records;
     std::vector<CandidateJob> jobs;
     // What is left of the segment after this phase.
     std::uint32_t alu = 0, sfu = 0, loads = 0, stores = 0;
@@ -124,7 +123,7 @@ class Sm final : public Component, public RtHost, public L1Client {
     Attribution<SchedulerReason> attribution;
   };
   struct LsuEntry {
-    Address line;
+    std::uint64_t line;
     std::uint32_t slot;
     SectorMask sectors;
     bool write;
@@ -144,7 +143,7 @@ class Sm final : public Component, public RtHost, public L1Client {
   void retire(Cycles now, std::uint32_t slot);
 
   // sm_segment.cpp: a warp's way through its segment
-  void begin_work(std::uint32_t slot);
+  void begin_work(std::uint32_t slot, const SegmentWork& work);
   void begin_phase(std::uint32_t slot);
   // These return whether anything was issued.
   bool issue_arithmetic(Cycles at, Cycles end, Front& front, Scheduler& scheduler);
@@ -155,8 +154,8 @@ class Sm final : public Component, public RtHost, public L1Client {
   std::uint32_t issue_bursts(Cycles at, Cycles end, std::uint32_t& left, Cycles latency,
                              Front& front, Scheduler& scheduler);
   void enter_rt(Cycles now, std::uint32_t slot);
-  void queue_sectors(Cycles now, std::uint32_t slot, ShaderAccess access, std::uint32_t ordinal,
-                     bool write);
+  void queue_lines(Cycles now, std::uint32_t slot, ShaderAccess access, std::uint32_t ordinal,
+                   bool write);
   void kick_lsu(Cycles now);
   void run_lsu(Cycles now);
   void send(Cycles now, LsuEntry& entry);
@@ -187,7 +186,6 @@ class Sm final : public Component, public RtHost, public L1Client {
   std::uint32_t lsu_waiters_ = 0;  // warps that wait for room in the queue
   bool lsu_booked_ = false, lsu_blocked_ = false;
   Port lsu_port_;
-  std::vector<Address> scratch_;
   SmHost::NewWarp new_warp_{};
   std::deque<Cycles> turns_;  // in order
   std::uint32_t resident_ = 0;
