@@ -1,15 +1,9 @@
-// Warps and schedulers of an SM; what a warp does in its segment is in sm_segment.cpp.
+// Warps of an SM and what they wait for; its schedulers are in sm_issue.cpp.
 #include "a2rt/timing/sm.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace a2rt::timing {
-namespace {
-
-constexpr Cycles kNever{std::numeric_limits<std::uint64_t>::max()};
-
-}  // namespace
 
 Sm::Sm(const MachineConfig& config, std::uint32_t index, Calendar& calendar, LowerLevel& lower,
        RaySource& source, const ShaderAddresses& addresses, SmHost& host)
@@ -81,7 +75,9 @@ void Sm::take_turn(Cycles now) {
 void Sm::set_state(Cycles now, std::uint32_t slot, State state) {
   Front& front = fronts_[slot];
   Scheduler& scheduler = schedulers_[front.scheduler];
-  advance(now, front.scheduler);
+  if (!scheduler.ready.empty()) {
+    advance(now, front.scheduler);
+  }
   account(now, scheduler);
   --scheduler.states[static_cast<std::size_t>(front.state)];
   ++scheduler.states[static_cast<std::size_t>(state)];
@@ -100,87 +96,6 @@ void Sm::make_ready(Cycles now, std::uint32_t slot, Cycles ready) {
   set_state(now, slot, State::kReady);
   fronts_[slot].ready = ready;
   book(now, fronts_[slot].scheduler);
-}
-
-// Cycle before which the warp cannot be through with its phase's arithmetic.
-Cycles Sm::earliest_end(const Scheduler& scheduler, const Front& front) const {
-  const Cycles at = std::max(front.ready, scheduler.free) + front.span;
-  if (front.sfu == 0) {
-    return at;
-  }
-  const SmConfig& sm = config_.sm;
-  return std::max(at, scheduler.sfu_free) + sm.sfu_interval * (front.sfu - 1) + sm.sfu_latency;
-}
-
-// Books the scheduler for the first cycle in which a warp may reach something beyond arithmetic.
-void Sm::book(Cycles now, std::uint32_t index) {
-  Scheduler& scheduler = schedulers_[index];
-  Cycles earliest = kNever;
-  for (const std::uint32_t slot : scheduler.ready) {
-    earliest = std::min(earliest, earliest_end(scheduler, fronts_[slot]));
-  }
-  if (earliest == kNever) {
-    return;
-  }
-  const Cycles when = std::max(now, earliest);
-  if (scheduler.booked && scheduler.booked_at <= when) {
-    return;
-  }
-  scheduler.booked = true;
-  scheduler.booked_at = when;
-  calendar_.at(when, *this, kIssue, index);
-}
-
-// Which of the ready warps issues next. Greedy then oldest: of those that can issue first the one
-// that issued last, else the oldest.
-std::uint32_t Sm::choose(const Scheduler& scheduler) const {
-  std::uint32_t best = kNoSlot;
-  Cycles first = kNever;
-  std::uint64_t first_rank = 0;
-  for (const std::uint32_t slot : scheduler.ready) {
-    const Front& front = fronts_[slot];
-    const Cycles at = std::max(front.ready, scheduler.free);
-    const std::uint64_t rank = slot == scheduler.last ? 0 : std::uint64_t{front.age} + 1;
-    if (at < first || (at == first && rank < first_rank)) {
-      best = slot;
-      first = at;
-      first_rank = rank;
-    }
-  }
-  return best;
-}
-
-// Makes all issue decisions of the cycles before `end`. Before the present cycle there can be
-// nothing but arithmetic, or the scheduler would have been booked for it.
-void Sm::advance(Cycles end, std::uint32_t index) {
-  Scheduler& scheduler = schedulers_[index];
-  while (!scheduler.ready.empty()) {
-    // A warp alone goes on by itself.
-    const bool alone = scheduler.ready.size() == 1;
-    const std::uint32_t slot = alone ? scheduler.ready.front() : choose(scheduler);
-    Front& front = fronts_[slot];
-    const Cycles at = std::max(front.ready, scheduler.free);
-    if (at >= end) {
-      return;
-    }
-    const bool issued = front.has_arithmetic()
-                            ? issue_arithmetic(at, alone ? end : at + Cycles{1}, front, scheduler)
-                            : step(at, slot, scheduler);
-    if (issued) {
-      scheduler.last = slot;
-      calendar_.progress();
-    }
-  }
-}
-
-void Sm::issue(Cycles now, std::uint32_t index) {
-  Scheduler& scheduler = schedulers_[index];
-  if (!scheduler.booked || scheduler.booked_at != now) {
-    return;  // an earlier booking replaced this one
-  }
-  scheduler.booked = false;
-  advance(now + Cycles{1}, index);
-  book(now, index);
 }
 
 void Sm::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
@@ -219,6 +134,11 @@ void Sm::rays_done(Cycles now, std::uint32_t slot, Cycles ready) {
   }
   begin_work(slot, work);
   make_ready(now, slot, ready);
+}
+
+void Sm::enter_rt(Cycles now, std::uint32_t slot) {
+  set_state(now, slot, State::kInRt);
+  rt_.accept(now, slot, warps_[slot].rays);
 }
 
 void Sm::slot_free(Cycles now) {

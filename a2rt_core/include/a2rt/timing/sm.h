@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "a2rt/base/inline.h"
 #include "a2rt/timing/attribution.h"
 #include "a2rt/timing/budget.h"
 #include "a2rt/timing/calendar.h"
@@ -98,20 +99,26 @@ class Sm final : public Component, public RtHost, public L1Client {
     std::uint8_t scheduler = 0;
     bool has_arithmetic() const { return (uniform | alu | sfu) != 0; }
   };
+  // Kinds of loads and stores in the order in which a segment issues them.
+  static constexpr std::array kAccesses = {ShaderAccess::kBufferLoad, ShaderAccess::kTexture,
+                                           ShaderAccess::kPayload, ShaderAccess::kBufferStore,
+                                           ShaderAccess::kPayload};
+  // What every load looks at comes first.
   struct Warp {
-    bool judging = false;
-    Cycles launched, traced, data;
-    std::uint32_t number = 0;
-    std::uint32_t outstanding = 0;  // sectors loaded, of unknown arrival
-    WarpProgram program;
+    Cycles data;                                             // last of the loads with a time
+    std::uint32_t outstanding = 0;                           // sectors loaded, of unknown arrival
+    std::uint32_t loads_phase = 0, phases = 0;               // phases after this one
+    std::uint32_t access = 0;                                // present one of kAccesses
+    std::array<std::uint32_t, kAccesses.size()> accesses{};  // left of the segment
     LaneAddresses addresses;
-    LaneRays rays{};
-    std::vector<CandidateJob> jobs;
     // What is left of the segment after this phase.
     std::uint32_t alu = 0, sfu = 0, loads = 0, stores = 0;
-    std::uint32_t loads_phase = 0, phases = 0;
-    std::array<std::uint32_t, 3> loads_left{};   // buffer, texture, payload
-    std::array<std::uint32_t, 2> stores_left{};  // buffer, payload
+    Cycles launched, traced;
+    std::uint32_t number = 0;
+    bool judging = false;
+    LaneRays rays{};
+    WarpProgram program;
+    std::vector<CandidateJob> jobs;
   };
   struct Scheduler {
     std::uint32_t last = kNoSlot;  // issued last
@@ -128,39 +135,49 @@ class Sm final : public Component, public RtHost, public L1Client {
     SectorMask sectors;
     bool write;
   };
-  // sm.cpp: scheduling
-  void issue(Cycles now, std::uint32_t scheduler);
-  void advance(Cycles end, std::uint32_t scheduler);
-  Cycles bursts_span(std::uint32_t instructions, Cycles latency) const;
-  Cycles earliest_end(const Scheduler& scheduler, const Front& front) const;
-  std::uint32_t choose(const Scheduler& scheduler) const;
-  void book(Cycles now, std::uint32_t scheduler);
+  // sm.cpp: warps, and what they wait for
   void set_state(Cycles now, std::uint32_t slot, State state);
   void make_ready(Cycles now, std::uint32_t slot, Cycles ready);
   SchedulerReason idle_reason(const Scheduler& scheduler) const;
   void account(Cycles now, Scheduler& scheduler);
   void account_occupancy(Cycles now);
   void retire(Cycles now, std::uint32_t slot);
+  void enter_rt(Cycles now, std::uint32_t slot);
 
-  // sm_segment.cpp: a warp's way through its segment
+  // sm_segment.cpp: what a warp's segment costs
   void begin_work(std::uint32_t slot, const SegmentWork& work);
   void begin_phase(std::uint32_t slot);
-  // These return whether anything was issued.
-  bool issue_arithmetic(Cycles at, Cycles end, Front& front, Scheduler& scheduler);
-  bool step(Cycles now, std::uint32_t slot, Scheduler& scheduler);
-  bool issue_load(Cycles now, std::uint32_t slot, Scheduler& scheduler);
-  bool issue_store(Cycles now, std::uint32_t slot, Scheduler& scheduler);
+  Cycles bursts_span(std::uint32_t instructions, Cycles latency) const;
   bool end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler);
+
+  // sm_issue.cpp: schedulers and what they issue
+  void issue(Cycles now, std::uint32_t scheduler);
+  void advance(Cycles end, std::uint32_t scheduler);
+  void book(Cycles now, std::uint32_t scheduler);
+  Cycles earliest_end(const Scheduler& scheduler, const Front& front) const;
+  std::uint32_t choose(const Scheduler& scheduler) const;
+  void spend(Cycles now, Scheduler& scheduler, std::uint32_t slots, SchedulerReason reason);
+  // These return whether anything was issued.
+  A2RT_INLINE bool step(Cycles now, std::uint32_t slot, Scheduler& scheduler);
+  A2RT_INLINE bool issue_access(Cycles now, std::uint32_t slot, Scheduler& scheduler, bool write);
+  bool issue_arithmetic(Cycles at, Cycles end, Front& front, Scheduler& scheduler);
   std::uint32_t issue_bursts(Cycles at, Cycles end, std::uint32_t& left, Cycles latency,
                              Front& front, Scheduler& scheduler);
-  void enter_rt(Cycles now, std::uint32_t slot);
-  void queue_lines(Cycles now, std::uint32_t slot, ShaderAccess access, std::uint32_t ordinal,
-                   bool write);
-  void kick_lsu(Cycles now);
+  A2RT_INLINE void queue_lines(Cycles now, std::uint32_t slot, std::uint32_t ordinal, bool write);
+
+  // sm_lsu.cpp: the load/store unit
+  void kick_lsu(Cycles now) {
+    if (!lsu_booked_ && !lsu_blocked_ && lsu_head_ != lsu_.size()) {
+      lsu_booked_ = true;
+      calendar_.at(lsu_port_.next(now), *this, kLsuPort);
+    }
+  }
   void run_lsu(Cycles now);
-  void send(Cycles now, LsuEntry& entry);
+  A2RT_INLINE void send(Cycles now, LsuEntry& entry);
+  A2RT_INLINE void add_data(Cycles now, std::uint32_t slot, SectorMask sectors,
+                            const SectorTimes& ready);
   void data_known(Cycles now, std::uint32_t slot);
-  void spend(Cycles now, Scheduler& scheduler, std::uint32_t slots, SchedulerReason reason);
+  void wake_lsu_waiters(Cycles now);
 
   void rays_done(Cycles now, std::uint32_t warp, Cycles ready) override;
   void slot_free(Cycles now) override;

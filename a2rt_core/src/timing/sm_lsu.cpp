@@ -1,0 +1,83 @@
+// The load/store unit of an SM: lines of its warps' accesses on their way to the L1.
+#include <algorithm>
+
+#include "a2rt/timing/sm.h"
+
+namespace a2rt::timing {
+
+// When all of a waiting warp's loads have a time, it is ready at the last.
+void Sm::data_known(Cycles now, std::uint32_t slot) {
+  const Warp& warp = warps_[slot];
+  if (warp.outstanding == 0 && fronts_[slot].state == State::kMemory) {
+    calendar_.at(std::max(now, warp.data), *this, kData, slot);
+  }
+}
+
+// Some sectors that the warp loads got a time.
+void Sm::add_data(Cycles now, std::uint32_t slot, SectorMask sectors, const SectorTimes& ready) {
+  Warp& warp = warps_[slot];
+  for_each_bit(sectors, [&](std::uint32_t s) { warp.data = std::max(warp.data, ready[s]); });
+  warp.outstanding -= sectors_in(sectors);
+  data_known(now, slot);
+}
+
+void Sm::send(Cycles now, LsuEntry& entry) {
+  const Address line{entry.line * kLineBytes};
+  if (entry.write) {
+    l1_.write(now, lsu_port_, line, entry.sectors, Traffic::kShader);
+    lsu_sectors_ -= sectors_in(entry.sectors);
+    entry.sectors = 0;
+    return;
+  }
+  const L1Cache::Lookup found =
+      l1_.read(now, lsu_port_, line, entry.sectors, Traffic::kShader, *this, entry.slot);
+  lsu_blocked_ = found.mshrs_full;
+  lsu_sectors_ -= sectors_in(found.accepted);
+  entry.sectors = static_cast<SectorMask>(entry.sectors & ~found.accepted);
+  if (found.hits != 0) {
+    add_data(now, entry.slot, found.hits, found.ready);
+  }
+}
+
+// Sends what is queued for the next few cycles.
+void Sm::run_lsu(Cycles now) {
+  lsu_booked_ = false;
+  const Cycles end = now + Cycles{4};
+  while (lsu_head_ < lsu_.size() && !lsu_blocked_ && lsu_port_.next(now) < end) {
+    LsuEntry& entry = lsu_[lsu_head_];
+    send(now, entry);
+    calendar_.progress();
+    lsu_head_ += entry.sectors == 0;
+  }
+  if (lsu_head_ == lsu_.size()) {
+    lsu_.clear();
+    lsu_head_ = 0;
+  }
+  if (lsu_waiters_ > 0 && lsu_sectors_ < config_.sm.lsu_queue) [[unlikely]] {
+    wake_lsu_waiters(now);
+  }
+  kick_lsu(now);
+}
+
+void Sm::wake_lsu_waiters(Cycles now) {
+  const Cycles again = std::max(now + Cycles{1}, lsu_port_.end());
+  for (std::uint32_t slot = 0; slot < fronts_.size(); ++slot) {
+    if (fronts_[slot].state == State::kLsu) {
+      make_ready(now, slot, again);
+    }
+  }
+}
+
+void Sm::arrived(Cycles now, std::uint32_t token, SectorMask sectors, const SectorTimes& ready) {
+  calendar_.progress();
+  A2RT_CHECK(warps_[token].outstanding >= sectors_in(sectors),
+             "load data came for a warp that loads nothing");
+  add_data(now, token, sectors, ready);
+}
+
+void Sm::unblocked(Cycles now) {
+  lsu_blocked_ = false;
+  kick_lsu(now);
+}
+
+}  // namespace a2rt::timing
