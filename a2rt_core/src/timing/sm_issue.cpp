@@ -118,11 +118,12 @@ std::uint32_t Sm::issue_bursts(Cycles at, Cycles end, std::uint32_t& left, Cycle
 void Sm::queue_lines(Cycles now, std::uint32_t slot, std::uint32_t ordinal, bool write) {
   Warp& warp = warps_[slot];
   std::uint32_t count = 0;
-  addresses_.lines(kAccesses[warp.access], ordinal, warp.addresses,
-                   [&](std::uint64_t line, SectorMask sectors) {
-                     lsu_.push_back({line, slot, sectors, write});
-                     count += sectors_in(sectors);
-                   });
+  addresses_.lines(
+      kAccesses[warp.access], ordinal,
+      warp.addresses, [&](std::uint64_t line, SectorMask sectors) __attribute__((always_inline)) {
+        lsu_.push_back({line, slot, sectors, write});
+        count += sectors_in(sectors);
+      });
   warp.outstanding += write ? 0 : count;
   lsu_sectors_ += count;
   counts_.lsu_sectors += count;
@@ -152,7 +153,7 @@ bool Sm::issue_access(Cycles now, std::uint32_t slot, Scheduler& scheduler, bool
   queue_lines(now, slot, ordinal, write);
   if (last_load && (warp.outstanding > 0 || warp.data > front.ready)) {
     set_state(now, slot, State::kMemory);
-    data_known(now, slot);
+    data_known(now, slot, warp);
   }
   return true;
 }

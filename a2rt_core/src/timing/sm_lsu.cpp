@@ -5,20 +5,12 @@
 
 namespace a2rt::timing {
 
-// When all of a waiting warp's loads have a time, it is ready at the last.
-void Sm::data_known(Cycles now, std::uint32_t slot) {
-  const Warp& warp = warps_[slot];
-  if (warp.outstanding == 0 && fronts_[slot].state == State::kMemory) {
-    calendar_.at(std::max(now, warp.data), *this, kData, slot);
-  }
-}
-
 // Some sectors that the warp loads got a time.
 void Sm::add_data(Cycles now, std::uint32_t slot, SectorMask sectors, const SectorTimes& ready) {
   Warp& warp = warps_[slot];
   for_each_bit(sectors, [&](std::uint32_t s) { warp.data = std::max(warp.data, ready[s]); });
   warp.outstanding -= sectors_in(sectors);
-  data_known(now, slot);
+  data_known(now, slot, warp);
 }
 
 void Sm::send(Cycles now, LsuEntry& entry) {

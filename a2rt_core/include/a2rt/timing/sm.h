@@ -156,7 +156,8 @@ class Sm final : public Component, public RtHost, public L1Client {
   void book(Cycles now, std::uint32_t scheduler);
   Cycles earliest_end(const Scheduler& scheduler, const Front& front) const;
   std::uint32_t choose(const Scheduler& scheduler) const;
-  void spend(Cycles now, Scheduler& scheduler, std::uint32_t slots, SchedulerReason reason);
+  A2RT_INLINE void spend(Cycles now, Scheduler& scheduler, std::uint32_t slots,
+                         SchedulerReason reason);
   // These return whether anything was issued.
   A2RT_INLINE bool step(Cycles now, std::uint32_t slot, Scheduler& scheduler);
   A2RT_INLINE bool issue_access(Cycles now, std::uint32_t slot, Scheduler& scheduler, bool write);
@@ -166,7 +167,7 @@ class Sm final : public Component, public RtHost, public L1Client {
   A2RT_INLINE void queue_lines(Cycles now, std::uint32_t slot, std::uint32_t ordinal, bool write);
 
   // sm_lsu.cpp: the load/store unit
-  void kick_lsu(Cycles now) {
+  A2RT_INLINE void kick_lsu(Cycles now) {
     if (!lsu_booked_ && !lsu_blocked_ && lsu_head_ != lsu_.size()) {
       lsu_booked_ = true;
       calendar_.at(lsu_port_.next(now), *this, kLsuPort);
@@ -176,7 +177,12 @@ class Sm final : public Component, public RtHost, public L1Client {
   A2RT_INLINE void send(Cycles now, LsuEntry& entry);
   A2RT_INLINE void add_data(Cycles now, std::uint32_t slot, SectorMask sectors,
                             const SectorTimes& ready);
-  void data_known(Cycles now, std::uint32_t slot);
+  // When all of a waiting warp's loads have a time, it is ready at the last.
+  A2RT_INLINE void data_known(Cycles now, std::uint32_t slot, const Warp& warp) {
+    if (warp.outstanding == 0 && fronts_[slot].state == State::kMemory) {
+      calendar_.at(std::max(now, warp.data), *this, kData, slot);
+    }
+  }
   void wake_lsu_waiters(Cycles now);
 
   void rays_done(Cycles now, std::uint32_t warp, Cycles ready) override;
