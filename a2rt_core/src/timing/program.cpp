@@ -87,7 +87,6 @@ std::uint32_t WarpProgram::depth_of_next(const Lane& lane) const {
 }
 
 bool WarpProgram::next(SegmentWork& work, LaneRays& rays_after) {
-  std::uint32_t best_depth = 0, best_shader = kNone;
   // Neighbouring launches' segments lie apart, and nothing else has touched them: all at once.
   for (const Lane& lane : lanes_) {
     if (lane.next != lane.end) {
@@ -96,37 +95,36 @@ bool WarpProgram::next(SegmentWork& work, LaneRays& rays_after) {
       __builtin_prefetch(segment + 1);  // most of it may be in the next line of the host
     }
   }
-  for (const Lane& lane : lanes_) {
-    if (lane.next == lane.end) {
-      continue;
-    }
-    const std::uint32_t depth = depth_of_next(lane);
-    const std::uint32_t shader = program_->segments()[lane.next].shader;
-    if (depth > best_depth || (depth == best_depth && shader < best_shader)) {
-      best_depth = depth;
-      best_shader = shader;
-    }
+  // The deepest comes first, then the lowest shader.
+  std::array<std::uint64_t, kLanes> ranks;
+  std::uint64_t best = 0;
+  for (std::uint32_t l = 0; l < kLanes; ++l) {
+    const Lane& lane = lanes_[l];
+    ranks[l] = lane.next == lane.end ? 0
+                                     : std::uint64_t{depth_of_next(lane)} << 32 |
+                                           ~program_->segments()[lane.next].shader;
+    best = std::max(best, ranks[l]);
   }
-  if (best_depth == 0) {
+  if (best == 0) {
     return false;
   }
+  const auto depth = static_cast<std::uint32_t>(best >> 32);
   work = {};
   rays_after.fill(kNone);
   for (std::uint32_t l = 0; l < kLanes; ++l) {
-    Lane& lane = lanes_[l];
-    if (lane.next == lane.end || program_->segments()[lane.next].shader != best_shader ||
-        depth_of_next(lane) != best_depth) {
+    if (ranks[l] != best) {
       continue;
     }
+    Lane& lane = lanes_[l];
     const Segment& segment = program_->segments()[lane.next++];
     add_lane(work, l, segment);
     rays_after[l] = segment.ray;
     if (segment.ray != kNone) {
       lane.ray = segment.ray;
-      lane.depth = best_depth;
+      lane.depth = depth;
       take_judgements(lane);
     } else {
-      lane.depth = best_depth > 1 ? best_depth - 1 : 1;
+      lane.depth = depth > 1 ? depth - 1 : 1;
     }
   }
   return true;

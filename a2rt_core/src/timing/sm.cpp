@@ -65,10 +65,12 @@ void Sm::retire(Cycles now, std::uint32_t slot) {
   counts_.warp_cycles += now.value - warp.launched.value;
   host_.warp_retired(index_, warp.number, now - warp.launched);
   turns_.push_back(now + Cycles{1});
+  turn_ = turns_.front();
 }
 
 void Sm::take_turn(Cycles now) {
   turns_.pop_front();
+  turn_ = turns_.empty() ? kNoTurn : turns_.front();
   launch(now);
 }
 
@@ -110,18 +112,21 @@ void Sm::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
       calendar_.progress();
       make_ready(now, value, now);
       return;
-    case kJudge: {
-      Warp& warp = warps_[value];
-      warp.judging = true;
-      SegmentWork work;
-      A2RT_CHECK(warp.program.next_judgement(warp.jobs, work), "no candidate to judge");
-      begin_work(value, work);
-      make_ready(now, value, now);
+    case kJudge:
+      begin_judging(now, value);
       return;
-    }
     default:
       A2RT_CHECK(false, "unknown appointment of the SM");
   }
+}
+
+void Sm::begin_judging(Cycles now, std::uint32_t slot) {
+  Warp& warp = warps_[slot];
+  warp.judging = true;
+  SegmentWork work;
+  A2RT_CHECK(warp.program.next_judgement(warp.jobs, work), "no candidate to judge");
+  begin_work(slot, work);
+  make_ready(now, slot, now);
 }
 
 void Sm::rays_done(Cycles now, std::uint32_t slot, Cycles ready) {

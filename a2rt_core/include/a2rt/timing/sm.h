@@ -65,7 +65,7 @@ class Sm final : public Component, public RtHost, public L1Client {
   // A slot became free: the SM takes a warp in this cycle, and must not run on before it is its
   // turn among the SMs. kNoTurn if it has nothing to ask for.
   static constexpr Cycles kNoTurn{~std::uint64_t{0}};
-  Cycles turn() const { return turns_.empty() ? kNoTurn : turns_.front(); }
+  Cycles turn() const { return turn_; }
   void take_turn(Cycles now);
   bool idle() const { return resident_ == 0; }
   // End of the last issue or port use booked so far, which may lie beyond the last appointment.
@@ -136,6 +136,7 @@ class Sm final : public Component, public RtHost, public L1Client {
     bool write;
   };
   // sm.cpp: warps, and what they wait for
+  A2RT_NOINLINE void begin_judging(Cycles now, std::uint32_t slot);
   void set_state(Cycles now, std::uint32_t slot, State state);
   void make_ready(Cycles now, std::uint32_t slot, Cycles ready);
   SchedulerReason idle_reason(const Scheduler& scheduler) const;
@@ -211,6 +212,7 @@ class Sm final : public Component, public RtHost, public L1Client {
   Port lsu_port_;
   SmHost::NewWarp new_warp_{};
   std::deque<Cycles> turns_;  // in order
+  Cycles turn_ = kNoTurn;     // first of them
   std::uint32_t resident_ = 0;
   std::uint32_t age_ = 0;
   SmCounts counts_;
