@@ -30,10 +30,11 @@ struct Options {
 // is the unit's functional traversal.
 double walk_seconds(const Workload& workload, timing::RaySource& source) {
   std::vector<Event> events;
+  EventValues list([&events](const Event& event) { events.push_back(event); });
   const double start = thread_seconds();
   for (std::uint32_t ray = 0; ray < workload.rays.size(); ++ray) {
     events.clear();
-    source.events(ray, events);
+    source.events(ray, list);
   }
   return thread_seconds() - start;
 }

@@ -29,7 +29,9 @@ constexpr Address kSpill{std::uint64_t{1} << 44};
 Compiled compile(const std::vector<Event>& events, const RtConfig& config = {}) {
   Compiled c;
   LaneCompiler uut(config);
-  uut.compile(events, kSpill, c.ops);
+  uut.begin(kSpill, c.ops);
+  send(events, uut);
+  uut.end();
   c.counts = uut.counts();
   return c;
 }

@@ -23,9 +23,10 @@ std::uint64_t total(const TrafficCounts& counts) {
 // Pseudo-random but repeatable events: fetches over 4 MB, node and triangle tests, a stack.
 class NoisySource final : public RaySource {
  public:
-  void events(std::uint32_t ray, std::vector<Event>& out) override {
+  void events(std::uint32_t ray, EventReceiver& to) override {
     std::uint64_t s = ray * 0x9e3779b97f4a7c15u + 1;
     const auto next = [&] { return s = s * 6364136223846793005u + 1442695040888963407u, s >> 33; };
+    std::vector<Event> out;
     const std::uint64_t steps = 4 + next() % 20;
     for (std::uint64_t i = 0; i < steps; ++i) {
       // One by one: compilers differ in the order of arguments.
@@ -39,6 +40,7 @@ class NoisySource final : public RaySource {
       }
       out.push_back(count_event(EventKind::kPop));
     }
+    send(out, to);
   }
 };
 

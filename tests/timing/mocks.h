@@ -86,11 +86,10 @@ class ScriptedSource final : public RaySource {
   std::map<std::uint32_t, std::vector<Event>> script;
   std::vector<Event> everyone;  // for rays not in `script`
   std::vector<std::uint32_t> order;
-  void events(std::uint32_t ray, std::vector<Event>& out) override {
+  void events(std::uint32_t ray, EventReceiver& out) override {
     order.push_back(ray);
     const auto it = script.find(ray);
-    const std::vector<Event>& from = it == script.end() ? everyone : it->second;
-    out.insert(out.end(), from.begin(), from.end());
+    send(it == script.end() ? everyone : it->second, out);
   }
 };
 

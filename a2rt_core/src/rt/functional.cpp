@@ -55,7 +55,7 @@ class Run {
  private:
   void work(Share& share) try {
     const std::uint64_t n = workload_.rays.size();
-    std::vector<Event> events;
+    EventValues events([&share](const Event& event) { share.totals.add(event); });
     for (std::uint64_t first = next_.fetch_add(kChunk); first < n;
          first = next_.fetch_add(kChunk)) {
       const std::uint64_t end = std::min(n, first + kChunk);
@@ -70,14 +70,10 @@ class Run {
     next_ = workload_.rays.size();
   }
 
-  void trace(std::uint64_t i, Share& share, std::vector<Event>& events) {
+  void trace(std::uint64_t i, Share& share, EventReceiver& events) {
     const RayInput input{&workload_.rays[i], candidates_of(workload_, i)};
     if (options_.events) {
-      events.clear();
       result_.hits[i] = unit_.trace(input, events);
-      for (const Event& e : events) {
-        share.totals.add(e);
-      }
     } else {
       result_.hits[i] = unit_.trace(input);
     }

@@ -83,9 +83,9 @@ void RtEngine::compile(Cycles now, Slot& slot, const LaneRays& rays) {
     slot.lanes[l].started = now;
     first[l] = slot.ops.size();
     if (rays[l] != kNone) {
-      events_.clear();
-      source_.events(rays[l], events_);
-      compiler_.compile(events_, spill_memory(slot, l), slot.ops);
+      compiler_.begin(spill_memory(slot, l), slot.ops);
+      source_.events(rays[l], compiler_);
+      compiler_.end();
       ++slot.active;
       ++counts_.rays;
     }

@@ -50,9 +50,10 @@ std::vector<double> warp_costs(const Workload& workload, RaySource& source,
                                const std::vector<WarpPlace>& warps, std::uint32_t lane_step) {
   std::vector<double> costs;
   costs.reserve(warps.size());
-  std::vector<Event> events;
   std::uint64_t ray = 0;
   std::uint32_t dispatch = kNone;
+  std::uint64_t events = 0;
+  EventValues counter([&events](const Event&) { ++events; });
   for (const WarpPlace& place : warps) {
     const Dispatch& d = workload.dispatches[place.dispatch];
     if (place.dispatch != dispatch) {
@@ -63,9 +64,9 @@ std::vector<double> warp_costs(const Workload& workload, RaySource& source,
     double cost = 1;  // a warp without rays still costs its launch
     for (; ray < end && workload.rays[ray].launch < place.first_launch + place.count; ++ray) {
       if ((workload.rays[ray].launch - place.first_launch) % lane_step == 0) {
-        events.clear();
-        source.events(static_cast<std::uint32_t>(ray), events);
-        cost += static_cast<double>(events.size());
+        events = 0;
+        source.events(static_cast<std::uint32_t>(ray), counter);
+        cost += static_cast<double>(events);
       }
     }
     costs.push_back(cost);

@@ -13,6 +13,7 @@
 #include "a2rt/base/vec.h"
 #include "a2rt/bvh/wide_bvh.h"
 #include "a2rt/rt/event.h"
+#include "a2rt/rt/event_receiver.h"
 #include "a2rt/rt/unit.h"
 
 namespace a2rt::rt {
@@ -27,37 +28,26 @@ struct NullSink {
   void context_forget() {}
 };
 
-// Appends to a list, in program order.
+// Hands events on, in program order.
 class EventSink {
  public:
   static constexpr bool kEmits = true;
   static constexpr bool kAudits = false;
-  explicit EventSink(std::vector<Event>& events) : events_(events) {}
+  explicit EventSink(EventReceiver& to) : to_(to) {}
 
   void fetch(Traffic traffic, Address address, std::uint64_t bytes) {
-    add({EventKind::kFetch, traffic, 1, static_cast<std::uint32_t>(bytes), address.value});
+    to_.fetch(traffic, address, static_cast<std::uint32_t>(bytes));
   }
-  void count(EventKind kind, std::size_t n) {
-    const auto most = static_cast<std::uint16_t>(n < 0xffff ? n : 0xffff);
-    add({kind, Traffic::kNone, most, 0, 0});
+  A2RT_INLINE void count(EventKind kind, std::size_t n) {
+    send_count(kind, static_cast<std::uint32_t>(n < 0xffff ? n : 0xffff), to_);
   }
   void context_pop(Traffic traffic, Address address, std::uint64_t bytes) {
-    add({EventKind::kContextPop, traffic, 1, static_cast<std::uint32_t>(bytes), address.value});
+    to_.context_pop(traffic, address, static_cast<std::uint32_t>(bytes));
   }
-  void context_forget() { count(EventKind::kContextPop, 0); }
+  void context_forget() { to_.context_forget(); }
 
  private:
-  A2RT_INLINE void add(const Event& event) {
-    if (events_.size() == events_.capacity()) [[unlikely]] {
-      add_to_full(event);
-    } else {
-      events_.push_back(event);
-    }
-  }
-  // Apart, as otherwise every place that adds an event carries it along.
-  A2RT_NOINLINE void add_to_full(const Event& event) { events_.push_back(event); }
-
-  std::vector<Event>& events_;
+  EventReceiver& to_;
 };
 
 // Compares every decision about a box with exact arithmetic on the original box.

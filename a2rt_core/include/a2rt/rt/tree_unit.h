@@ -79,11 +79,12 @@ class TreeUnit final : public RtUnit {
     regions_ = space.regions();
   }
 
+  using RtUnit::trace;
   Hit trace(const RayInput& input) const override {
     NullSink sink;
     return Traversal<Unit, NullSink>(unit_, s_, input, sink).run();
   }
-  Hit trace(const RayInput& input, std::vector<Event>& events) const override {
+  Hit trace(const RayInput& input, EventReceiver& events) const override {
     EventSink sink(events);
     return Traversal<Unit, EventSink>(unit_, s_, input, sink).run();
   }

@@ -11,6 +11,7 @@
 #include "a2rt/base/registry.h"
 #include "a2rt/base/units.h"
 #include "a2rt/rt/event.h"
+#include "a2rt/rt/event_receiver.h"
 #include "a2rt/workload/workload.h"
 
 namespace a2rt {
@@ -101,8 +102,13 @@ class RtUnit {
 
   // Closest hit of one ray (any hit if the flags say so).
   virtual Hit trace(const RayInput& input) const = 0;
-  // The same, appending the ray's events.
-  virtual Hit trace(const RayInput& input, std::vector<Event>& events) const = 0;
+  // The same, with the ray's events.
+  virtual Hit trace(const RayInput& input, EventReceiver& events) const = 0;
+  // The same, appending them to a list.
+  Hit trace(const RayInput& input, std::vector<Event>& events) const {
+    EventValues list([&events](const Event& event) { events.push_back(event); });
+    return trace(input, list);
+  }
   // The same, comparing every box decision with exact arithmetic. Slow.
   virtual Hit trace(const RayInput& input, Audit& audit) const = 0;
 };

@@ -1,6 +1,6 @@
 // A ray's events as the RT unit replays them: eight bytes an operation, addresses already cut into
-// sectors of lines. Rays are compiled when their warp enters the unit, in one pass over events that
-// are still in the host's caches.
+// sectors of lines. Rays are traversed, and their events compiled as they come, when their warp
+// enters the unit.
 //
 // Short stack and contexts do not depend on time: how full they are, and so which entries go to
 // memory and come back, follows from a ray's own pushes and pops. What is kept on chip therefore
@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "a2rt/base/error.h"
-#include "a2rt/rt/event.h"
+#include "a2rt/rt/event_receiver.h"
 #include "a2rt/timing/machine_config.h"
 #include "a2rt/timing/memory_port.h"
 
@@ -47,8 +47,10 @@ class LaneOp {
   static LaneOp store(std::uint64_t line, SectorMask sector, Traffic kind) {
     return of_line(Code::kStore, line, sector, kind);
   }
-  // The last line of its read.
-  LaneOp as_last() const { return LaneOp(code(), bits_ | kLast); }
+  // The last line of its read, or not.
+  LaneOp as_last(bool last = true) const {
+    return LaneOp(code(), (bits_ & ~kLast) | (last ? kLast : 0));
+  }
   // With more sectors of the same line.
   LaneOp with(SectorMask sectors) const {
     return LaneOp(code(), bits_ | static_cast<std::uint64_t>(sectors) << 8);
@@ -88,13 +90,26 @@ class LaneOps {
   const LaneOp& operator[](std::size_t i) const { return data_[i]; }
   LaneOp& back() { return data_[size_ - 1]; }
   void push_back(LaneOp op) {
-    if (size_ == capacity_) [[unlikely]] {
-      grow();
-    }
-    data_[size_++] = op;
+    *room() = op;
+    ++size_;
+  }
+  LaneOp pop_back() { return data_[--size_]; }
+  // The second only if `both`.
+  void push_back(LaneOp first, LaneOp second, bool both) {
+    LaneOp* const at = room();
+    at[0] = first;
+    at[1] = second;
+    size_ += both ? 2 : 1;
   }
 
  private:
+  // Where the next two go.
+  LaneOp* room() {
+    if (size_ + 2 > capacity_) [[unlikely]] {
+      grow();
+    }
+    return data_.get() + size_;
+  }
   void grow();
   std::unique_ptr<LaneOp[]> data_;
   std::size_t size_ = 0, capacity_ = 0;
@@ -116,19 +131,60 @@ struct LaneOpCounts {
 // Bytes of thread-private memory for what a lane spills.
 inline constexpr std::uint64_t kSpillBytesPerLane = 4096;
 
-class LaneCompiler {
+// Makes operations of the events between begin() and end(), which are one ray's.
+class LaneCompiler final : public EventReceiver {
  public:
-  explicit LaneCompiler(const RtConfig& config) : config_(config) {}
+  explicit LaneCompiler(const RtConfig& config);
 
-  // Appends the operations of one ray, kEnd last. Records that touch are one read of the unit.
-  // `spill`: where the lane's spill memory begins.
-  void compile(const std::vector<Event>& events, Address spill, LaneOps& out);
+  // `spill`: where the lane's spill memory begins. Operations are appended to `out`, kEnd last.
+  void begin(Address spill, LaneOps& out);
+  void end() { out_->push_back(LaneOp::counted(LaneOp::Code::kEnd, 0)); }
+
+  // Records that touch, with no other event between them, are one read of the unit.
+  void fetch(Traffic traffic, Address address, std::uint32_t bytes) override;
+  void test(EventKind kind, std::uint32_t count) override;
+  void push(std::uint32_t count) override;
+  void pop(std::uint32_t count) override;
+  void context_push() override;
+  void context_pop(Traffic traffic, Address address, std::uint32_t bytes) override;
+  void context_forget() override;
+  void leave_unit(EventKind kind, std::uint32_t count) override;
+  void escape(std::uint32_t count) override;
 
   const LaneOpCounts& counts() const { return counts_; }
 
  private:
-  RtConfig config_;
+  // What the event just seen leaves open.
+  enum class Open : std::uint8_t {
+    kNothing,
+    kBoxTest,    // quantized boxes of the same node may start with its FP32 boxes
+    kRead,       // the next record may belong to the read
+    kRefetched,  // likewise, and `repeated_` tests wait for all of it
+  };
+
+  void count(EventKind kind) { ++counts_.events[static_cast<std::size_t>(kind)]; }
+  void read(Traffic kind, Address address, std::uint64_t bytes);
+  void read_lines(Traffic kind, Address address, std::uint64_t bytes, bool joins);
+  void store(Address address, std::uint64_t bytes, Traffic kind);
+  void fill(Address address, std::uint64_t bytes);
+  void spill_stack();
+  void fill_stack(std::uint32_t count);
+  void pop_saved_context();
+  void refetch_context(Traffic traffic, Address address, std::uint32_t bytes);
+  std::uint32_t entries_per_sector() const;
+  Address stack_address() const;
+  Address context_address() const;
+
+  Open open_ = Open::kNothing;
+  std::uint8_t repeated_ = 0;
+  std::uint32_t stack_ = 0, spilled_ = 0;
+  std::uint32_t contexts_ = 0, contexts_spilled_ = 0;
+  std::uint32_t most_stack_;
+  Address read_end_;
+  LaneOps* out_ = nullptr;
   LaneOpCounts counts_;
+  Address spill_;
+  RtConfig config_;
 };
 
 }  // namespace a2rt::timing

@@ -2,9 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
-#include "a2rt/rt/event.h"
+#include "a2rt/rt/event_receiver.h"
 
 namespace a2rt::timing {
 
@@ -13,8 +12,8 @@ class RaySource {
   virtual ~RaySource() = default;
   // The ray's events will be asked for soon; may bring what that needs into the host's caches.
   virtual void prefetch(std::uint32_t /*ray*/) const {}
-  // Appends the events of ray `ray` (index into Workload::rays) in program order.
-  virtual void events(std::uint32_t ray, std::vector<Event>& out) = 0;
+  // Sends the events of ray `ray` (index into Workload::rays) in program order.
+  virtual void events(std::uint32_t ray, EventReceiver& out) = 0;
 };
 
 }  // namespace a2rt::timing

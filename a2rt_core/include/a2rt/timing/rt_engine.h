@@ -179,7 +179,6 @@ class RtEngine final : public Component, public L1Client {
   Port port_;
   bool port_booked_ = false, port_blocked_ = false;
   std::uint32_t in_unit_ = 0, in_shader_ = 0;  // lanes
-  std::vector<Event> events_;                  // of the ray being compiled
   LaneCompiler compiler_;
   RtCounts counts_;
   Attribution<RtReason> attribution_;

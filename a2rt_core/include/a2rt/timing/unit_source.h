@@ -16,7 +16,7 @@ class UnitSource final : public RaySource {
     __builtin_prefetch(&workload_.rays[ray]);
     __builtin_prefetch(&workload_.candidate_first[ray]);
   }
-  void events(std::uint32_t ray, std::vector<Event>& out) override {
+  void events(std::uint32_t ray, EventReceiver& out) override {
     const auto& first = workload_.candidate_first;
     const std::span<const Candidate> candidates =
         std::span(workload_.candidates).subspan(first[ray], first[ray + 1] - first[ray]);
