@@ -8,8 +8,8 @@
 // (second operand), other products are the infinities the reference returns.
 #include <limits>
 
+#include "a2rt/base/vector_support.h"
 #include "qbox_tables.h"
-#include "vector_support.h"
 
 namespace a2rt::arith {
 

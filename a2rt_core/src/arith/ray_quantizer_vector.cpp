@@ -2,8 +2,8 @@
 
 #include <bit>
 
+#include "a2rt/base/vector_support.h"
 #include "ray_quantizer_limits.h"
-#include "vector_support.h"
 
 namespace a2rt::arith {
 

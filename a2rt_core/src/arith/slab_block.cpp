@@ -2,8 +2,8 @@
 #include <limits>
 
 #include "a2rt/arith/slab.h"
+#include "a2rt/base/vector_support.h"
 #include "slab_pad.h"
-#include "vector_support.h"
 
 namespace a2rt::arith {
 

@@ -1,5 +1,7 @@
 #include "a2rt/rt/aqb8_tree.h"
 
+#include <algorithm>
+
 namespace a2rt::rt {
 
 Aqb8Tree Aqb8Tree::mirror(bvh::WideBvh& tree, const bvh::Clustering& clusters,
@@ -21,7 +23,12 @@ Aqb8Tree Aqb8Tree::mirror(bvh::WideBvh& tree, const bvh::Clustering& clusters,
   for (std::uint32_t i = 0; i < tree.records.size(); ++i) {
     const bvh::BvhRecord& r = tree.records[i];
     if (!r.leaf()) {
-      result.nodes_.push_back({clusters.position[r.first], clusters.cluster[i], r.first, r.count});
+      Aqb8Node node{{}, clusters.position[r.first], clusters.cluster[i], r.first, r.count};
+      const std::size_t boxes = result.layout_.boxes.size() - node.first;
+      for (std::size_t s = 0; s < std::min(boxes, arith::Aqb8Block::kWidth); ++s) {
+        node.boxes.put(s, result.layout_.boxes[node.first + s]);
+      }
+      result.nodes_.push_back(node);
     }
   }
   result.refs_.reserve(clusters.order.size());

@@ -33,11 +33,14 @@ constexpr std::uint64_t kSpillArea = kSpillBytesPerLane / 2;
 
 }  // namespace
 
-void LaneOps::grow() {
-  capacity_ = std::max<std::size_t>(256, capacity_ * 2);
-  auto bigger = std::make_unique_for_overwrite<LaneOp[]>(capacity_);
-  std::copy_n(data_.get(), size_, bigger.get());
+void LaneOps::push_grown(LaneOp op) {
+  const std::size_t size = this->size(), capacity = std::max<std::size_t>(256, size * 2);
+  auto bigger = std::make_unique_for_overwrite<LaneOp[]>(capacity);
+  std::copy_n(data_.get(), size, bigger.get());
   data_ = std::move(bigger);
+  end_ = data_.get() + size;
+  limit_ = data_.get() + capacity;
+  *end_++ = op;
 }
 
 LaneCompiler::LaneCompiler(const RtConfig& config)
@@ -92,7 +95,7 @@ void LaneCompiler::pop(std::uint32_t n) {
   open_ = Open::kNothing;
   counts_.stack_popped += n;
   if (stack_ < n) [[unlikely]] {
-    fill_stack(n);
+    return fill_stack(n);
   }
   stack_ -= n;
 }
@@ -162,7 +165,7 @@ void LaneCompiler::fill_stack(std::uint32_t wanted) {
   const std::uint32_t moved =
       std::min(spilled_, (lacking + per_sector - 1) / per_sector * per_sector);
   spilled_ -= moved;
-  stack_ += moved;
+  stack_ = stack_ + moved - wanted;
   counts_.stack_fills += (moved + per_sector - 1) / per_sector;
   counts_.stack_filled += moved;
   fill(stack_address(), moved * config_.stack_entry_bytes);
@@ -222,47 +225,46 @@ void LaneCompiler::fill(Address address, std::uint64_t bytes) {
   open_ = Open::kNothing;
 }
 
-void LaneCompiler::read(Traffic kind, Address address, std::uint64_t bytes) {
+A2RT_INLINE void LaneCompiler::read(Traffic kind, Address address, std::uint64_t bytes) {
+  const std::uint64_t first = address.value / kSectorBytes;
+  const std::uint64_t last = (address.value + bytes - 1) / kSectorBytes;
+  const std::uint64_t line = first / kSectorsPerLine, last_line = last / kSectorsPerLine;
+  const bool joins = open_ >= Open::kRead && address == read_end_;
+  if (joins || bytes == 0 || last_line - line > 1 || last_line > LaneOp::kMostLine ||
+      !out_->has_room(2)) [[unlikely]] {
+    return read_any(kind, address, bytes);
+  }
+  // Most records are a read of their own, of one line or two.
+  const std::uint32_t sectors = ((2u << (last - first)) - 1) << first % kSectorsPerLine;
+  const auto k = static_cast<std::size_t>(kind);
+  ++counts_.fetches[k];
+  counts_.fetch_bytes[k] += bytes;
+  counts_.sectors_wanted[k] += last - first + 1;
+  open_ = Open::kRead;
+  read_end_ = address + Bytes{bytes};
+  out_->push_back(LaneOp::first_of(line, sectors, kind), LaneOp::second_of(line, sectors, kind),
+                  last_line != line);
+}
+
+// Any number of lines, which may go on with the read that is open.
+void LaneCompiler::read_any(Traffic kind, Address address, std::uint64_t bytes) {
   A2RT_CHECK(bytes > 0, "a ray fetches 0 bytes");
   const auto k = static_cast<std::size_t>(kind);
   ++counts_.fetches[k];
   counts_.fetch_bytes[k] += bytes;
-  const bool joins = open_ >= Open::kRead && address == read_end_;
-  read_end_ = address + Bytes{bytes};
-  const std::uint64_t first = address.value / kSectorBytes;
-  const std::uint64_t last = (address.value + bytes - 1) / kSectorBytes;
-  const std::uint64_t line = first / kSectorsPerLine, last_line = last / kSectorsPerLine;
-  if (joins || last_line - line > 1) [[unlikely]] {
-    read_lines(kind, address, bytes, joins);
-    return;
-  }
-  // Most records are a read of their own, of one line or two: the upper half are the second's.
-  constexpr std::uint32_t kAll = (1u << kSectorsPerLine) - 1;
-  const std::uint32_t sectors = ((2u << (last - first)) - 1) << first % kSectorsPerLine;
-  const bool both = sectors > kAll;
-  open_ = Open::kRead;
-  counts_.sectors_wanted[k] += last - first + 1;
-  out_->push_back(
-      LaneOp::read(line, static_cast<SectorMask>(sectors & kAll), kind).as_last(!both),
-      LaneOp::read(last_line, static_cast<SectorMask>(sectors >> kSectorsPerLine), kind).as_last(),
-      both);
-}
-
-// Any number of lines. `joins`: they go on with the read that is open.
-void LaneCompiler::read_lines(Traffic kind, Address address, std::uint64_t bytes, bool joins) {
-  const auto k = static_cast<std::size_t>(kind);
-  std::array<LaneOp, 2> repeated;
-  const std::size_t waiting = joins && open_ == Open::kRefetched ? repeated_ : 0;
-  for (std::size_t i = 0; i < waiting; ++i) {
-    repeated[i] = out_->pop_back();
-  }
   std::uint64_t shared = ~std::uint64_t{0};  // the line in which the record before it ended
-  if (joins) {
+  std::array<LaneOp, 2> repeated;
+  std::size_t waiting = 0;
+  if (open_ >= Open::kRead && address == read_end_) {
+    for (; open_ == Open::kRefetched && waiting < repeated_; ++waiting) {
+      repeated[waiting] = out_->pop_back();
+    }
     out_->back() = out_->back().as_last(false);
     shared = out_->back().line();
   } else {
     open_ = Open::kRead;
   }
+  read_end_ = address + Bytes{bytes};
   for_each_line(address, bytes, [&](std::uint64_t line, SectorMask sectors) {
     if (line != shared) {
       counts_.sectors_wanted[k] += sectors_in(sectors);
@@ -274,8 +276,8 @@ void LaneCompiler::read_lines(Traffic kind, Address address, std::uint64_t bytes
     before = before.with(sectors);
   });
   out_->back() = out_->back().as_last();
-  for (std::size_t i = waiting; i-- > 0;) {
-    out_->push_back(repeated[i]);
+  while (waiting > 0) {
+    out_->push_back(repeated[--waiting]);
   }
 }
 

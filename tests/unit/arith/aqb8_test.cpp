@@ -68,6 +68,39 @@ TEST(Aqb8, SaturatedLowBoundWrapsTheHighBound) {
   EXPECT_EQ(wrapped.high[1], kIntMin);
 }
 
+TEST(Aqb8, EightBoxesAtOnceAreTestedBitByBitAsOneByOne) {
+  std::uint32_t state = 1;
+  const auto next = [&] { return state = state * 1664525U + 1013904223U, state >> 8; };
+  for (int i = 0; i < 50'000; ++i) {
+    Aqb8Ray ray;
+    Aqb8Local local;
+    Aqb8Block boxes;
+    ray.negative = static_cast<std::uint8_t>(next() & 7U);
+    // Shifts are small mostly: from 16 on, products leave 32 bits.
+    const std::uint32_t copies = i % 4 == 0 ? 0xFFFU : 0x3FFU;
+    for (std::size_t a = 0; a < 3; ++a) {
+      ray.low[a] = static_cast<std::uint16_t>(next() & copies);
+      ray.high[a] = static_cast<std::uint16_t>(next() & copies);
+      local.low[a] = static_cast<std::int32_t>(next() % 60'000) - 40'000;
+      local.high[a] = i % 9 == 0 ? kIntMin : local.low[a] + 1;
+    }
+    local.qy_max = i % 5 == 0 ? kIntMax : static_cast<std::int32_t>(next());
+    for (std::size_t slot = 0; slot < Aqb8Block::kWidth; ++slot) {
+      Aqb8Box box;
+      for (std::size_t a = 0; a < 3; ++a) {
+        box.lo[a] = static_cast<std::uint8_t>(next());
+        box.hi[a] = static_cast<std::uint8_t>(next());
+      }
+      boxes.put(slot, box);
+      ASSERT_EQ(boxes.get(slot), box);
+    }
+    std::array<std::int32_t, Aqb8Block::kWidth> entry{}, expected{};
+    ASSERT_EQ(aqb8_test_block(ray, local, boxes, entry.data()),
+              aqb8_test_block_scalar(ray, local, boxes, expected.data()));
+    ASSERT_EQ(entry, expected);
+  }
+}
+
 TEST(Aqb8Loss, NoneAboveTwoToMinusSixteen) {
   for (const Aqb8Rounding rounding : {Aqb8Rounding::kFloorCeil, Aqb8Rounding::kNearestEven}) {
     for (const int exponent : {-2, -6, -10, -14, -15, -16}) {

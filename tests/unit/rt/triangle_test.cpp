@@ -27,18 +27,35 @@ TEST(FastTriangle, IsBitEqualToTheDriversTest) {
     const Vec3 origin = i % 11 == 0 ? triangle.v[0] : random.in_box(-2, 2);
     const DriverTriangleHit expected = DriverTriangleTest(origin, dir)(triangle);
     const AxisTriangle padded[2] = {AxisTriangle(triangle), {}};
-    float t = 0;
-    bool front = false;
-    const bool hit = FastTriangle(origin, dir)(padded[0], t, front);
-    ASSERT_EQ(hit, expected.hit);
-    if (hit) {
-      ++hits;
-      ASSERT_TRUE(std::bit_cast<std::uint32_t>(t) == std::bit_cast<std::uint32_t>(expected.t) ||
-                  (std::isnan(t) && std::isnan(expected.t)));
-      ASSERT_EQ(front, expected.front);
+    const FastTriangle uut(origin, dir);
+    for (const auto first_met : {&FastTriangle::first_met, &FastTriangle::first_met_scalar}) {
+      float t = 0;
+      bool front = false;
+      const bool hit = (uut.*first_met)(padded, 1, t, front) == 0;
+      ASSERT_EQ(hit, expected.hit);
+      if (hit) {
+        ++hits;
+        ASSERT_TRUE(std::bit_cast<std::uint32_t>(t) == std::bit_cast<std::uint32_t>(expected.t) ||
+                    (std::isnan(t) && std::isnan(expected.t)));
+        ASSERT_EQ(front, expected.front);
+      }
     }
   }
   EXPECT_GT(hits, 1000);
+}
+
+TEST(FastTriangle, FindsTheFirstOfSeveral) {
+  const Triangle far_off{{{9, 9, 1}, {9, 8, 1}, {8, 9, 1}}},
+      ahead{{{-1, -1, 2}, {1, -1, 2}, {0, 1, 2}}};
+  const AxisTriangle padded[5] = {
+      AxisTriangle(far_off), AxisTriangle(ahead), AxisTriangle(far_off), AxisTriangle(ahead), {}};
+  const FastTriangle uut({0, 0, 0}, {0, 0, 1});
+  float t = 0;
+  bool front = false;
+  EXPECT_EQ(uut.first_met(padded, 4, t, front), 1U);
+  EXPECT_EQ(t, 2);
+  EXPECT_EQ(uut.first_met(padded + 2, 2, t, front), 1U);
+  EXPECT_EQ(uut.first_met(padded + 2, 1, t, front), 1U);
 }
 
 }  // namespace

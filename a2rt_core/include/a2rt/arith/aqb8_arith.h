@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -87,6 +88,27 @@ struct Aqb8Hit {
 };
 // QBOX: 32-bit wrapping integers.
 Aqb8Hit aqb8_test(const Aqb8Ray& ray, const Aqb8Local& local, const Aqb8Box& box);
+
+// Eight boxes, plane by plane, for one call: bit i of the result and entry[i] are what aqb8_test
+// says of box i.
+struct Aqb8Block {
+  static constexpr std::size_t kWidth = 8;
+  void put(std::size_t slot, const Aqb8Box& box) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      lo[a][slot] = box.lo[a];
+      hi[a][slot] = box.hi[a];
+    }
+  }
+  Aqb8Box get(std::size_t slot) const {
+    return {{lo[0][slot], lo[1][slot], lo[2][slot]}, {hi[0][slot], hi[1][slot], hi[2][slot]}};
+  }
+  std::uint8_t lo[3][kWidth] = {}, hi[3][kWidth] = {};
+};
+std::uint32_t aqb8_test_block(const Aqb8Ray& ray, const Aqb8Local& local, const Aqb8Block& boxes,
+                              std::int32_t entry[Aqb8Block::kWidth]);
+// The same, box by box.
+std::uint32_t aqb8_test_block_scalar(const Aqb8Ray& ray, const Aqb8Local& local,
+                                     const Aqb8Block& boxes, std::int32_t entry[Aqb8Block::kWidth]);
 
 // Saturating conversions, exposed for the tests.
 std::int32_t aqb8_floor(float x);

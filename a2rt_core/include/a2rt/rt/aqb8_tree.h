@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "a2rt/arith/aqb8_arith.h"
+#include "a2rt/base/huge_vector.h"
 #include "a2rt/base/units.h"
 #include "a2rt/bvh/aqb8_clusters.h"
 #include "a2rt/bvh/child_ref.h"
@@ -14,13 +15,15 @@
 
 namespace a2rt::rt {
 
-// One inner node: where its children are.
-struct Aqb8Node {
+// One inner node: where its children are, and the boxes at their positions and the next ones.
+struct alignas(64) Aqb8Node {
+  arith::Aqb8Block boxes;
   std::uint32_t first = 0;  // position of the first child in the emission order
   std::uint32_t cluster = 0;
   std::uint32_t first_record = 0;
   std::uint32_t count = 0;
 };
+static_assert(sizeof(Aqb8Node) == 64);
 
 class Aqb8Tree {
  public:
@@ -55,7 +58,7 @@ class Aqb8Tree {
                          bvh::Aqb8Layout layout);
 
  private:
-  std::vector<Aqb8Node> nodes_;
+  HugeVector<Aqb8Node> nodes_;
   std::vector<bvh::ChildRef> refs_;  // by position
   std::vector<bvh::Cluster> clusters_;
   std::vector<bvh::BvhRecord> records_;

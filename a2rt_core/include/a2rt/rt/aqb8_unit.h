@@ -68,12 +68,9 @@ class Aqb8Unit {
     if constexpr (Sink::kEmits || Sink::kAudits) {
       emit_visit(tree, node, slots, sink);
     }
-    std::uint32_t hit = 0;
-    for (std::uint32_t s = 0; s < slots; ++s) {
-      const arith::Aqb8Hit h = arith::aqb8_test(space.ray, context.local, tree.box(node.first + s));
-      keys[s] = h.entry;
-      hit |= (h.hit ? 1U : 0U) << s;
-    }
+    static_assert(bvh::kMaxWidth == arith::Aqb8Block::kWidth);
+    const std::uint32_t hit =
+        arith::aqb8_test_block(space.ray, context.local, node.boxes, keys) & ((1U << slots) - 1);
     if constexpr (Sink::kAudits) {
       sink.decide(tree.exact_children(index), (1U << node.count) - 1, hit, closest,
                   [&](std::size_t) { return miss_mechanism(space, context); });

@@ -1,18 +1,15 @@
 // The driver's triangle test (workload/driver_triangle.h), bit for bit, arranged for speed: the
-// axes are chosen by constant offsets, the three vertices share vector instructions, and the
-// verdict comes before the divisions.
+// axes are chosen by constant offsets, the three vertices share vector instructions, the verdict
+// comes before the divisions, and a leaf's triangles are tested in one go.
 #pragma once
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 #include "a2rt/base/vec.h"
 #include "a2rt/workload/workload.h"
-
-#if defined(__SSE2__)
-#include <emmintrin.h>
-#endif
 
 namespace a2rt::rt {
 
@@ -49,69 +46,21 @@ class FastTriangle {
     ox_ = o[kx_], oy_ = o[ky_], oz_ = o[kz_];
   }
 
-  // True if the line meets the triangle ahead; then t (may be NaN) and the facing are set.
-  bool operator()(const AxisTriangle& triangle, float& t, bool& front) const {
-    Edges e;
-    float z[4];
-    if (!edges(triangle, e, z)) {
-      return false;
-    }
-    const double det = e.u + (e.v + e.w);
-    const double sz = sz_;
-    const double distance = (e.u * (sz * z[0]) + e.v * (sz * z[1])) + e.w * (sz * z[2]);
-    const double sign = det > 0 ? 1 : det < 0 ? -1 : 0;
-    if (sign * distance < 0) {
-      return false;
-    }
-    t = static_cast<float>(distance / det);
-    front = static_cast<float>(det) > 0;
-    return true;
-  }
+  // The first of `count` triangles that the line meets ahead, with its t (may be NaN) and facing;
+  // `count` if there is none. Reads four bytes past the last one.
+  std::uint32_t first_met(const AxisTriangle* triangles, std::uint32_t count, float& t,
+                          bool& front) const;
+  // The same, without vectors of the processor at hand.
+  std::uint32_t first_met_scalar(const AxisTriangle* triangles, std::uint32_t count, float& t,
+                                 bool& front) const;
 
  private:
   struct Edges {
     double u, v, w;
   };
-
-#if defined(__SSE2__)
-  // Edge functions and the vertices' z; false if their signs differ.
-  bool edges(const AxisTriangle& triangle, Edges& e, float* z) const {
-    // Lane 3 is not part of the triangle and never read.
-    const __m128 dz = _mm_sub_ps(_mm_loadu_ps(triangle.axis[kz_]), _mm_set1_ps(oz_));
-    const __m128 x = _mm_sub_ps(_mm_sub_ps(_mm_loadu_ps(triangle.axis[kx_]), _mm_set1_ps(ox_)),
-                                _mm_mul_ps(_mm_set1_ps(sx_), dz));
-    const __m128 y = _mm_sub_ps(_mm_sub_ps(_mm_loadu_ps(triangle.axis[ky_]), _mm_set1_ps(oy_)),
-                                _mm_mul_ps(_mm_set1_ps(sy_), dz));
-    const __m128d x_bc = _mm_cvtps_pd(_mm_shuffle_ps(x, x, _MM_SHUFFLE(3, 3, 2, 1)));
-    const __m128d y_bc = _mm_cvtps_pd(_mm_shuffle_ps(y, y, _MM_SHUFFLE(3, 3, 2, 1)));
-    const __m128d x_ca = _mm_cvtps_pd(_mm_shuffle_ps(x, x, _MM_SHUFFLE(3, 3, 0, 2)));
-    const __m128d y_ca = _mm_cvtps_pd(_mm_shuffle_ps(y, y, _MM_SHUFFLE(3, 3, 0, 2)));
-    const __m128d uv = _mm_sub_pd(_mm_mul_pd(x_ca, y_bc), _mm_mul_pd(y_ca, x_bc));
-    const __m128d x_aa = _mm_unpackhi_pd(x_ca, x_ca), y_aa = _mm_unpackhi_pd(y_ca, y_ca);
-    const __m128d x_bb = _mm_unpacklo_pd(x_bc, x_bc), y_bb = _mm_unpacklo_pd(y_bc, y_bc);
-    const __m128d ww = _mm_sub_pd(_mm_mul_pd(x_bb, y_aa), _mm_mul_pd(y_bb, x_aa));
-    const __m128d zero = _mm_setzero_pd();
-    const int below = _mm_movemask_pd(_mm_or_pd(_mm_cmplt_pd(uv, zero), _mm_cmplt_pd(ww, zero)));
-    const int above = _mm_movemask_pd(_mm_or_pd(_mm_cmpgt_pd(uv, zero), _mm_cmpgt_pd(ww, zero)));
-    if (below != 0 && above != 0) {
-      return false;
-    }
-    e = {_mm_cvtsd_f64(uv), _mm_cvtsd_f64(_mm_unpackhi_pd(uv, uv)), _mm_cvtsd_f64(ww)};
-    _mm_storeu_ps(z, dz);
-    return true;
-  }
-#else
-  bool edges(const AxisTriangle& triangle, Edges& e, float* z) const {
-    double x[3], y[3];
-    for (std::size_t v = 0; v < 3; ++v) {
-      z[v] = triangle.axis[kz_][v] - oz_;
-      x[v] = (triangle.axis[kx_][v] - ox_) - sx_ * z[v];
-      y[v] = (triangle.axis[ky_][v] - oy_) - sy_ * z[v];
-    }
-    e = {x[2] * y[1] - y[2] * x[1], x[0] * y[2] - y[0] * x[2], x[1] * y[0] - y[1] * x[0]};
-    return !((e.u < 0 || e.v < 0 || e.w < 0) && (e.u > 0 || e.v > 0 || e.w > 0));
-  }
-#endif
+  bool meets_ahead(const Edges& e, const float* z, float& t, bool& front) const;
+  std::uint32_t first_met_avx2(const AxisTriangle* triangles, std::uint32_t count, float& t,
+                               bool& front) const;
 
   std::size_t kx_, ky_, kz_;
   float sx_, sy_, sz_;

@@ -25,6 +25,7 @@
 #include <new>
 
 #include "a2rt/arith/slab.h"
+#include "a2rt/base/inline.h"
 #include "a2rt/bvh/child_ref.h"
 #include "a2rt/rt/accounting.h"
 #include "a2rt/rt/candidates.h"
@@ -232,8 +233,8 @@ class Traversal {
 
   // A frame that was set aside, and whose last entry has just been taken off the stack for
   // something else than going on in it, is not needed any more.
-  void forget_if_last(std::uint32_t context, const Entry* top, const Entry* stack,
-                      std::uint64_t& saved) {
+  A2RT_INLINE void forget_if_last(std::uint32_t context, const Entry* top, const Entry* stack,
+                                  std::uint64_t& saved) {
     if constexpr (Unit::kContexts) {
       if ((saved >> context & 1U) != 0 && (top == stack || top[-1].context != context)) {
         sink_.context_forget();
@@ -329,23 +330,26 @@ class Traversal {
   }
 
   bool visit_triangles(const Primitives& primitives, ChildRef leaf, const FastTriangle& test) {
-    const std::uint32_t first = leaf.first(), end = first + leaf.count();
     if constexpr (Sink::kEmits || Sink::kAudits) {
       fetch_triangles(primitives, leaf);
       sink_.count(EventKind::kTriangleTest, leaf.count());
     }
-    for (std::uint32_t i = first; i < end; ++i) {
+    const std::uint32_t end = leaf.first() + leaf.count();
+    for (std::uint32_t i = leaf.first();; ++i) {
       float t = 0;
       bool front = false;
-      if (test(primitives.triangles[i], t, front) && t <= closest_ &&
-          triangle_in_range(t, ray_.tmin, ray_.tmax) && judge_triangle(primitives, i, t, front)) {
+      i += test.first_met(primitives.triangles.data() + i, end - i, t, front);
+      if (i == end) {
+        return false;
+      }
+      if (t <= closest_ && triangle_in_range(t, ray_.tmin, ray_.tmax) &&
+          judge_triangle(primitives, i, t, front)) {
         return true;
       }
     }
-    return false;
   }
 
-  void fetch_triangles(const Primitives& primitives, ChildRef leaf) {
+  A2RT_INLINE void fetch_triangles(const Primitives& primitives, ChildRef leaf) {
     if (s_.layout.accounting == Accounting::kRecords) {
       sink_.fetch(Traffic::kTriangle, triangle_address(primitives, leaf.first()),
                   leaf.count() * sizeof(Triangle));

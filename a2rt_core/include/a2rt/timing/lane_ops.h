@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <vector>
+#include <utility>
 
 #include "a2rt/base/error.h"
 #include "a2rt/rt/event_receiver.h"
@@ -40,7 +40,8 @@ class LaneOp {
     return LaneOp(Code::kTestPair, boxes << 16 | quantized << 32);
   }
   static LaneOp counted(Code code, std::uint64_t count) { return LaneOp(code, count << 16); }
-  // Throws InternalError if the line lies beyond what eight bytes can name (2^54 B).
+  // What eight bytes can name (2^54 B); others throw InternalError.
+  static constexpr std::uint64_t kMostLine = (std::uint64_t{1} << 47) - 1;
   static LaneOp read(std::uint64_t line, SectorMask sectors, Traffic kind) {
     return of_line(Code::kRead, line, sectors, kind);
   }
@@ -50,6 +51,14 @@ class LaneOp {
   // The last line of its read, or not.
   LaneOp as_last(bool last = true) const {
     return LaneOp(code(), (bits_ & ~kLast) | (last ? kLast : 0));
+  }
+  // A read of these two lines, the second right behind the first: bits from the fifth on are its
+  // sectors. Lines are known to be in range.
+  static LaneOp first_of(std::uint64_t line, std::uint32_t sectors, Traffic kind) {
+    return LaneOp(Code::kRead, rest_of(line, sectors & 0xf, kind) | (sectors > 0xf ? 0 : kLast));
+  }
+  static LaneOp second_of(std::uint64_t line, std::uint32_t sectors, Traffic kind) {
+    return LaneOp(Code::kRead, rest_of(line + 1, sectors >> kSectorsPerLine, kind) | kLast);
   }
   // With more sectors of the same line.
   LaneOp with(SectorMask sectors) const {
@@ -71,9 +80,11 @@ class LaneOp {
   static constexpr std::uint32_t kLineShift = 17;
   static constexpr std::uint64_t kLast = std::uint64_t{1} << 16;
   static LaneOp of_line(Code code, std::uint64_t line, SectorMask sectors, Traffic kind) {
-    A2RT_CHECK(line >> (64 - kLineShift) == 0, "a ray's address is beyond 2^54");
-    return LaneOp(code, line << kLineShift | static_cast<std::uint64_t>(kind) << 12 |
-                            static_cast<std::uint64_t>(sectors) << 8);
+    A2RT_CHECK(line <= kMostLine, "a ray's address is beyond 2^54");
+    return LaneOp(code, rest_of(line, sectors, kind));
+  }
+  static std::uint64_t rest_of(std::uint64_t line, std::uint64_t sectors, Traffic kind) {
+    return line << kLineShift | static_cast<std::uint64_t>(kind) << 12 | sectors << 8;
   }
   LaneOp(Code code, std::uint64_t rest) : bits_(static_cast<std::uint64_t>(code) | rest) {}
   std::uint64_t bits_;
@@ -84,35 +95,36 @@ static_assert(static_cast<std::size_t>(Traffic::kCount) <= 16);
 // Grows like a vector, but does not clear what is about to be written.
 class LaneOps {
  public:
-  void clear() { size_ = 0; }
-  std::size_t size() const { return size_; }
+  LaneOps() = default;
+  LaneOps(LaneOps&& other) noexcept
+      : data_(std::move(other.data_)),
+        end_(std::exchange(other.end_, nullptr)),
+        limit_(std::exchange(other.limit_, nullptr)) {}
+  void clear() { end_ = data_.get(); }
+  std::size_t size() const { return static_cast<std::size_t>(end_ - data_.get()); }
   const LaneOp* data() const { return data_.get(); }
   const LaneOp& operator[](std::size_t i) const { return data_[i]; }
-  LaneOp& back() { return data_[size_ - 1]; }
+  LaneOp& back() { return end_[-1]; }
+  LaneOp pop_back() { return *--end_; }
   void push_back(LaneOp op) {
-    *room() = op;
-    ++size_;
+    if (end_ == limit_) [[unlikely]] {
+      return push_grown(op);  // a call at the very end, for which callers need not save anything
+    }
+    *end_++ = op;
   }
-  LaneOp pop_back() { return data_[--size_]; }
-  // The second only if `both`.
+  bool has_room(std::ptrdiff_t n) const { return limit_ - end_ >= n; }
+  // The second only if `both`; there is room for two.
   void push_back(LaneOp first, LaneOp second, bool both) {
-    LaneOp* const at = room();
-    at[0] = first;
-    at[1] = second;
-    size_ += both ? 2 : 1;
+    end_[0] = first;
+    end_[1] = second;
+    end_ += both ? 2 : 1;
   }
 
  private:
-  // Where the next two go.
-  LaneOp* room() {
-    if (size_ + 2 > capacity_) [[unlikely]] {
-      grow();
-    }
-    return data_.get() + size_;
-  }
-  void grow();
+  void push_grown(LaneOp op);
   std::unique_ptr<LaneOp[]> data_;
-  std::size_t size_ = 0, capacity_ = 0;
+  LaneOp* end_ = nullptr;
+  LaneOp* limit_ = nullptr;
 };
 
 // What compiling counts; it does not depend on when the operations are carried out.
@@ -162,13 +174,13 @@ class LaneCompiler final : public EventReceiver {
     kRefetched,  // likewise, and `repeated_` tests wait for all of it
   };
 
-  void count(EventKind kind) { ++counts_.events[static_cast<std::size_t>(kind)]; }
+  A2RT_INLINE void count(EventKind kind) { ++counts_.events[static_cast<std::size_t>(kind)]; }
   void read(Traffic kind, Address address, std::uint64_t bytes);
-  void read_lines(Traffic kind, Address address, std::uint64_t bytes, bool joins);
+  A2RT_NOINLINE void read_any(Traffic kind, Address address, std::uint64_t bytes);
   void store(Address address, std::uint64_t bytes, Traffic kind);
   void fill(Address address, std::uint64_t bytes);
-  void spill_stack();
-  void fill_stack(std::uint32_t count);
+  A2RT_NOINLINE void spill_stack();
+  A2RT_NOINLINE void fill_stack(std::uint32_t count);
   void pop_saved_context();
   void refetch_context(Traffic traffic, Address address, std::uint32_t bytes);
   std::uint32_t entries_per_sector() const;

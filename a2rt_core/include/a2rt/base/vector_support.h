@@ -11,7 +11,7 @@
 #define A2RT_HAS_X86_VECTORS 0
 #endif
 
-namespace a2rt::arith {
+namespace a2rt {
 
 inline bool has_avx2() {
 #if A2RT_HAS_X86_VECTORS
@@ -22,4 +22,4 @@ inline bool has_avx2() {
 #endif
 }
 
-}  // namespace a2rt::arith
+}  // namespace a2rt
