@@ -24,15 +24,18 @@ namespace {
 // Slope times plane, plus the local origin, in wrapping 32-bit integers. A significand has 8 bits
 // and a plane 8, so the multiply-add of 16-bit halves is exact; its sign goes with it.
 A2RT_AVX2 inline __attribute__((always_inline)) __m256i distances(const std::uint8_t* planes,
-                                                                  std::uint32_t copy, bool negative,
+                                                                  std::uint32_t copy,
+                                                                  unsigned negative,
                                                                   std::int32_t origin) {
-  const auto significand = static_cast<std::int32_t>(128U + (copy & 127U));
-  const __m256i factor = _mm256_set1_epi32((negative ? -significand : significand) & 0xFFFF);
+  const std::uint32_t significand = 128U + (copy & 127U);
+  const std::uint32_t factor = ((significand ^ (0U - negative)) + negative) & 0xFFFFU;
   const __m256i plane =
       _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(planes)));
   const __m128i shift = _mm_cvtsi32_si128(static_cast<int>(copy >> 7 & 31U));
-  return _mm256_add_epi32(_mm256_sll_epi32(_mm256_madd_epi16(plane, factor), shift),
-                          _mm256_set1_epi32(origin));
+  return _mm256_add_epi32(
+      _mm256_sll_epi32(_mm256_madd_epi16(plane, _mm256_set1_epi32(static_cast<int>(factor))),
+                       shift),
+      _mm256_set1_epi32(origin));
 }
 
 A2RT_AVX2 std::uint32_t test_block_avx2(const Aqb8Ray& ray, const Aqb8Local& local,
@@ -40,9 +43,10 @@ A2RT_AVX2 std::uint32_t test_block_avx2(const Aqb8Ray& ray, const Aqb8Local& loc
   __m256i in = _mm256_setzero_si256();
   __m256i out = _mm256_set1_epi32(local.qy_max);
   for (unsigned a = 0; a < 3; ++a) {
-    const bool negative = (ray.negative >> a & 1U) != 0;
-    const std::uint8_t* near = negative ? boxes.hi[a] : boxes.lo[a];
-    const std::uint8_t* far = negative ? boxes.lo[a] : boxes.hi[a];
+    // Signs are as good as random: no branches.
+    const unsigned negative = ray.negative >> a & 1U;
+    const std::uint8_t* near = boxes.planes[negative][a];
+    const std::uint8_t* far = boxes.planes[1 - negative][a];
     in = _mm256_max_epi32(in, distances(near, ray.low[a], negative, local.low[a]));
     out = _mm256_min_epi32(out, distances(far, ray.high[a], negative, local.high[a]));
   }

@@ -39,7 +39,7 @@ void LaneOps::push_grown(LaneOp op) {
   std::copy_n(data_.get(), size, bigger.get());
   data_ = std::move(bigger);
   end_ = data_.get() + size;
-  limit_ = data_.get() + capacity;
+  limit_ = data_.get() + capacity - 1;
   *end_++ = op;
 }
 
@@ -231,19 +231,19 @@ A2RT_INLINE void LaneCompiler::read(Traffic kind, Address address, std::uint64_t
   const std::uint64_t line = first / kSectorsPerLine, last_line = last / kSectorsPerLine;
   const bool joins = open_ >= Open::kRead && address == read_end_;
   if (joins || bytes == 0 || last_line - line > 1 || last_line > LaneOp::kMostLine ||
-      !out_->has_room(2)) [[unlikely]] {
+      !out_->has_room()) [[unlikely]] {
     return read_any(kind, address, bytes);
   }
   // Most records are a read of their own, of one line or two.
-  const std::uint32_t sectors = ((2u << (last - first)) - 1) << first % kSectorsPerLine;
+  const std::uint64_t sectors = ((std::uint64_t{2} << (last - first)) - 1)
+                                << first % kSectorsPerLine;
   const auto k = static_cast<std::size_t>(kind);
   ++counts_.fetches[k];
   counts_.fetch_bytes[k] += bytes;
   counts_.sectors_wanted[k] += last - first + 1;
   open_ = Open::kRead;
   read_end_ = address + Bytes{bytes};
-  out_->push_back(LaneOp::first_of(line, sectors, kind), LaneOp::second_of(line, sectors, kind),
-                  last_line != line);
+  out_->push_back(LaneOp::reads(line, sectors, kind), last_line != line);
 }
 
 // Any number of lines, which may go on with the read that is open.

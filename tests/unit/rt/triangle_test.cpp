@@ -28,10 +28,11 @@ TEST(FastTriangle, IsBitEqualToTheDriversTest) {
     const DriverTriangleHit expected = DriverTriangleTest(origin, dir)(triangle);
     const AxisTriangle padded[2] = {AxisTriangle(triangle), {}};
     const FastTriangle uut(origin, dir);
-    for (const auto first_met : {&FastTriangle::first_met, &FastTriangle::first_met_scalar}) {
+    for (const auto find : {&FastTriangle::find, &FastTriangle::find_scalar}) {
       float t = 0;
       bool front = false;
-      const bool hit = (uut.*first_met)(padded, 1, t, front) == 0;
+      FastTriangle::Edges edges;
+      const bool hit = (uut.*find)(padded, 1, edges) == 0 && uut.ahead(edges, t, front);
       ASSERT_EQ(hit, expected.hit);
       if (hit) {
         ++hits;
@@ -50,12 +51,14 @@ TEST(FastTriangle, FindsTheFirstOfSeveral) {
   const AxisTriangle padded[5] = {
       AxisTriangle(far_off), AxisTriangle(ahead), AxisTriangle(far_off), AxisTriangle(ahead), {}};
   const FastTriangle uut({0, 0, 0}, {0, 0, 1});
+  FastTriangle::Edges edges;
   float t = 0;
   bool front = false;
-  EXPECT_EQ(uut.first_met(padded, 4, t, front), 1U);
+  EXPECT_EQ(uut.find(padded, 4, edges), 1U);
+  EXPECT_TRUE(uut.ahead(edges, t, front));
   EXPECT_EQ(t, 2);
-  EXPECT_EQ(uut.first_met(padded + 2, 2, t, front), 1U);
-  EXPECT_EQ(uut.first_met(padded + 2, 1, t, front), 1U);
+  EXPECT_EQ(uut.find(padded + 2, 2, edges), 1U);
+  EXPECT_EQ(uut.find(padded + 2, 1, edges), 1U);
 }
 
 }  // namespace

@@ -95,14 +95,15 @@ struct Aqb8Block {
   static constexpr std::size_t kWidth = 8;
   void put(std::size_t slot, const Aqb8Box& box) {
     for (std::size_t a = 0; a < 3; ++a) {
-      lo[a][slot] = box.lo[a];
-      hi[a][slot] = box.hi[a];
+      planes[0][a][slot] = box.lo[a];
+      planes[1][a][slot] = box.hi[a];
     }
   }
   Aqb8Box get(std::size_t slot) const {
+    const auto& [lo, hi] = planes;
     return {{lo[0][slot], lo[1][slot], lo[2][slot]}, {hi[0][slot], hi[1][slot], hi[2][slot]}};
   }
-  std::uint8_t lo[3][kWidth] = {}, hi[3][kWidth] = {};
+  std::uint8_t planes[2][3][kWidth] = {};  // low, high
 };
 std::uint32_t aqb8_test_block(const Aqb8Ray& ray, const Aqb8Local& local, const Aqb8Block& boxes,
                               std::int32_t entry[Aqb8Block::kWidth]);

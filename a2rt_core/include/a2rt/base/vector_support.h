@@ -13,13 +13,12 @@
 
 namespace a2rt {
 
-inline bool has_avx2() {
+// Of the processor at hand; a plain flag, as it is asked at every test.
 #if A2RT_HAS_X86_VECTORS
-  static const bool yes = __builtin_cpu_supports("avx2") != 0;
-  return yes;
+inline const bool kHasAvx2 = __builtin_cpu_supports("avx2") != 0;
 #else
-  return false;
+inline constexpr bool kHasAvx2 = false;
 #endif
-}
+inline bool has_avx2() { return kHasAvx2; }
 
 }  // namespace a2rt

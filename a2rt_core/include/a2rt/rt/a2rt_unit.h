@@ -1,7 +1,7 @@
 // The A2RT unit (see traversal.h for the parts of a Unit).
 #pragma once
 
-#include <bit>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -99,15 +99,16 @@ class A2rtUnit {
     const std::uint32_t all = (1U << node.count) - 1;
     const std::uint32_t groups = (1U << node.group_count) - 1;
     std::uint32_t hit = 0;
-    if (groups != 0) {
-      hit = groups &
-            (literal_ ? test_groups_plain(tree.group_boxes(node), space, closest, keys)
-                      : arith::slab_test_block(space.slab, tree.group_boxes(node), closest, keys));
-    }
     if (groups != all) {
-      hit |= context.escaped
-                 ? test_escaped(tree, node, all & ~groups, space, context, closest, keys)
-                 : test_quantized(tree, node, all & ~groups, context, closest, keys);
+      hit = context.escaped ? test_escaped(tree, node, all & ~groups, space, context, closest, keys)
+                            : test_quantized(tree, node, all & ~groups, context, closest, keys);
+    }
+    if (groups != 0) {
+      float entry[bvh::kMaxWidth];
+      hit |= groups & (literal_ ? test_groups_plain(tree.group_boxes(node), space, closest, entry)
+                                : arith::slab_test_block(space.slab, tree.group_boxes(node),
+                                                         closest, entry));
+      std::copy_n(entry, node.group_count, keys);
     }
     if constexpr (Sink::kAudits) {
       sink.decide(tree.exact_children(index), all & ~groups, hit, closest,
@@ -166,7 +167,7 @@ class A2rtUnit {
     }
   }
 
-  // Sub nodes in the quantized tester; `subs` masks them. Keys of hit slots only.
+  // Sub nodes in the quantized tester; `subs` masks them. Fills the keys of all slots.
   std::uint32_t test_quantized(const Tree& tree, const A2rtNode& node, std::uint32_t subs,
                                Context& context, float closest, Key* keys) const {
     const float shift = context.ray.t_shift;
@@ -186,14 +187,7 @@ class A2rtUnit {
       const float sum = shift + t;
       return sum - std::fabs(sum) * 0x1p-23F;
     };
-    if (node.group_count == 0) {
-      for (std::size_t s = 0; s < bvh::kMaxWidth; ++s) {  // all at once; misses are not looked at
-        keys[s] = key(near[s]);
-      }
-      return hit;
-    }
-    for (std::uint32_t rest = hit; rest != 0; rest &= rest - 1) {
-      const auto s = static_cast<std::size_t>(std::countr_zero(rest));
+    for (std::size_t s = 0; s < bvh::kMaxWidth; ++s) {  // all at once; misses are not looked at
       keys[s] = key(near[s]);
     }
     return hit;

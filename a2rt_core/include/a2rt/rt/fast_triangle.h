@@ -46,21 +46,34 @@ class FastTriangle {
     ox_ = o[kx_], oy_ = o[ky_], oz_ = o[kz_];
   }
 
-  // The first of `count` triangles that the line meets ahead, with its t (may be NaN) and facing;
-  // `count` if there is none. Reads four bytes past the last one.
-  std::uint32_t first_met(const AxisTriangle* triangles, std::uint32_t count, float& t,
-                          bool& front) const;
-  // The same, without vectors of the processor at hand.
-  std::uint32_t first_met_scalar(const AxisTriangle* triangles, std::uint32_t count, float& t,
-                                 bool& front) const;
-
- private:
+  // Edge functions of a triangle, and its vertices' z.
   struct Edges {
     double u, v, w;
+    float z[4];  // the fourth is room for vector code
   };
-  bool meets_ahead(const Edges& e, const float* z, float& t, bool& front) const;
-  std::uint32_t first_met_avx2(const AxisTriangle* triangles, std::uint32_t count, float& t,
-                               bool& front) const;
+
+  // The first of `count` triangles that the line meets, and its edges; `count` if there is none.
+  // Reads four bytes past the last one.
+  std::uint32_t find(const AxisTriangle* triangles, std::uint32_t count, Edges& e) const;
+  // The same, without vectors of the processor at hand.
+  std::uint32_t find_scalar(const AxisTriangle* triangles, std::uint32_t count, Edges& e) const;
+
+  // True if a triangle that the line meets lies ahead; then t (may be NaN) and the facing are set.
+  bool ahead(const Edges& e, float& t, bool& front) const {
+    const double det = e.u + (e.v + e.w);
+    const double sz = sz_;
+    const double distance = (e.u * (sz * e.z[0]) + e.v * (sz * e.z[1])) + e.w * (sz * e.z[2]);
+    const double sign = det > 0 ? 1 : det < 0 ? -1 : 0;
+    if (sign * distance < 0) {
+      return false;
+    }
+    t = static_cast<float>(distance / det);
+    front = static_cast<float>(det) > 0;
+    return true;
+  }
+
+ private:
+  std::uint32_t find_avx2(const AxisTriangle* triangles, std::uint32_t count, Edges& e) const;
 
   std::size_t kx_, ky_, kz_;
   float sx_, sy_, sz_;

@@ -334,19 +334,28 @@ class Traversal {
       fetch_triangles(primitives, leaf);
       sink_.count(EventKind::kTriangleTest, leaf.count());
     }
-    const std::uint32_t end = leaf.first() + leaf.count();
-    for (std::uint32_t i = leaf.first();; ++i) {
+    FastTriangle::Edges edges;
+    const std::uint32_t met =
+        test.find(primitives.triangles.data() + leaf.first(), leaf.count(), edges);
+    return met < leaf.count() && judge_triangles(primitives, leaf, met, test, edges);
+  }
+
+  // The leaf's triangle `i`, whose `edges` say that the line meets it, and those behind it.
+  A2RT_NOINLINE bool judge_triangles(const Primitives& primitives, ChildRef leaf, std::uint32_t i,
+                                     const FastTriangle& test, FastTriangle::Edges& edges) {
+    const AxisTriangle* const triangles = primitives.triangles.data() + leaf.first();
+    while (i < leaf.count()) {
       float t = 0;
       bool front = false;
-      i += test.first_met(primitives.triangles.data() + i, end - i, t, front);
-      if (i == end) {
-        return false;
-      }
-      if (t <= closest_ && triangle_in_range(t, ray_.tmin, ray_.tmax) &&
-          judge_triangle(primitives, i, t, front)) {
+      if (test.ahead(edges, t, front) && t <= closest_ &&
+          triangle_in_range(t, ray_.tmin, ray_.tmax) &&
+          judge_triangle(primitives, leaf.first() + i, t, front)) {
         return true;
       }
+      ++i;
+      i += test.find(triangles + i, leaf.count() - i, edges);
     }
+    return false;
   }
 
   A2RT_INLINE void fetch_triangles(const Primitives& primitives, ChildRef leaf) {

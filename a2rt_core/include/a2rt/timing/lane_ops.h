@@ -52,13 +52,14 @@ class LaneOp {
   LaneOp as_last(bool last = true) const {
     return LaneOp(code(), (bits_ & ~kLast) | (last ? kLast : 0));
   }
-  // A read of these two lines, the second right behind the first: bits from the fifth on are its
-  // sectors. Lines are known to be in range.
-  static LaneOp first_of(std::uint64_t line, std::uint32_t sectors, Traffic kind) {
-    return LaneOp(Code::kRead, rest_of(line, sectors & 0xf, kind) | (sectors > 0xf ? 0 : kLast));
-  }
-  static LaneOp second_of(std::uint64_t line, std::uint32_t sectors, Traffic kind) {
-    return LaneOp(Code::kRead, rest_of(line + 1, sectors >> kSectorsPerLine, kind) | kLast);
+  // A read of this line and the next: from the fifth on, bits stand for the next one's sectors; if
+  // there are none, the first is the last. Both are known to be in range.
+  static std::pair<LaneOp, LaneOp> reads(std::uint64_t line, std::uint64_t sectors, Traffic kind) {
+    const LaneOp none(Code::kRead, rest_of(line, 0, kind));
+    LaneOp first = none, second = none;
+    first.bits_ += ((sectors & 0xf) << 8) + (sectors > 0xf ? 0 : kLast);
+    second.bits_ += (std::uint64_t{1} << kLineShift) + (sectors >> kSectorsPerLine << 8) + kLast;
+    return {first, second};
   }
   // With more sectors of the same line.
   LaneOp with(SectorMask sectors) const {
@@ -107,16 +108,17 @@ class LaneOps {
   LaneOp& back() { return end_[-1]; }
   LaneOp pop_back() { return *--end_; }
   void push_back(LaneOp op) {
-    if (end_ == limit_) [[unlikely]] {
+    if (!has_room()) [[unlikely]] {
       return push_grown(op);  // a call at the very end, for which callers need not save anything
     }
     *end_++ = op;
   }
-  bool has_room(std::ptrdiff_t n) const { return limit_ - end_ >= n; }
-  // The second only if `both`; there is room for two.
-  void push_back(LaneOp first, LaneOp second, bool both) {
-    end_[0] = first;
-    end_[1] = second;
+  // For one or two.
+  bool has_room() const { return end_ < limit_; }
+  // The second only if `both`; there is room.
+  void push_back(const std::pair<LaneOp, LaneOp>& ops, bool both) {
+    end_[0] = ops.first;
+    end_[1] = ops.second;
     end_ += both ? 2 : 1;
   }
 
@@ -124,7 +126,7 @@ class LaneOps {
   void push_grown(LaneOp op);
   std::unique_ptr<LaneOp[]> data_;
   LaneOp* end_ = nullptr;
-  LaneOp* limit_ = nullptr;
+  LaneOp* limit_ = nullptr;  // one before the end of the memory
 };
 
 // What compiling counts; it does not depend on when the operations are carried out.
