@@ -88,6 +88,14 @@ TEST_F(Rt, the_port_sends_one_sector_per_cycle) {
   EXPECT_EQ(once.rt.sectors_sent, 16u);
 }
 
+TEST_F(Rt, a_line_asked_for_again_counts_as_what_it_is_asked_for_now) {
+  source.everyone = {fetch(0, 32, Traffic::kNode), count_event(EventKind::kBoxTest),
+                     fetch(32, 32, Traffic::kTriangle)};
+  const SimulationResult result = run(1);
+  EXPECT_EQ(result.l1.reads[kNode], 1u);
+  EXPECT_EQ(result.l1.reads[static_cast<std::size_t>(Traffic::kTriangle)], 1u);
+}
+
 TEST_F(Rt, a_port_of_two_sectors_halves_the_sending) {
   config.rt.port_sectors = 2;
   source.everyone = {fetch(0, 256), fetch(0, 256)};

@@ -22,7 +22,7 @@ void RequestTable::clear() {
 
 // Entries whose data has come are dropped on the way; a new one goes where the next of its lane's
 // neighbours will look first.
-std::uint16_t RequestTable::obtain_further(Cycles now, std::uint64_t line, Traffic kind) {
+std::uint16_t RequestTable::obtain_further(Cycles now, std::uint64_t line) {
   std::uint16_t& head = buckets_[bucket(line)];
   std::uint16_t* link = &head;
   while (*link != kNil) {
@@ -49,7 +49,6 @@ std::uint16_t RequestTable::obtain_further(Cycles now, std::uint64_t line, Traff
   }
   Entry& entry = entries_[index];
   entry.line = line;
-  entry.kind = kind;
   entry.arriving = 0;
   entry.hash_next = head;
   head = index;

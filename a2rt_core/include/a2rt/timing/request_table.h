@@ -2,8 +2,8 @@
 //
 // Lanes that want the same sector share one request, whether it still waits for the L1 port, waits
 // for its data, or has been found in L1 and is on its way out of the cache's pipe. Lines are sent
-// in the order in which they were first asked for. A lane waits for lines; it is told about each
-// once, when the last of its sectors there has a time.
+// in the order in which they were first asked for, as what the first lane wants there. A lane waits
+// for lines; it is told about each once, when the last of its sectors there has a time.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ class RequestTable {
   // last moves `ready`.
   A2RT_INLINE bool add(Cycles now, std::uint32_t lane, std::uint64_t line, SectorMask wanted,
                        Traffic kind, Cycles& ready) {
-    const std::uint16_t index = obtain(now, line, kind);
+    const std::uint16_t index = obtain(now, line);
     Entry& entry = entries_[index];
     if (entry.known <= now) {
       entry.arriving = 0;
@@ -47,6 +47,7 @@ class RequestTable {
     const auto fresh = static_cast<SectorMask>(waits & ~(entry.in_flight | entry.to_send));
     if (fresh != 0) {
       live_ += !entry.busy();
+      entry.kind = entry.busy() ? entry.kind : kind;
       if (entry.to_send == 0) {
         entry.queue_next = kNil;
         entries_[last_].queue_next = index;
@@ -141,14 +142,14 @@ class RequestTable {
   static_assert(kSectorsPerLine == 4);
   std::size_t bucket(std::uint64_t line) const { return (line * 0x9e3779b97f4a7c15u) >> 57; }
   // Finds the line's entry or makes one.
-  std::uint16_t obtain(Cycles now, std::uint64_t line, Traffic kind) {
+  std::uint16_t obtain(Cycles now, std::uint64_t line) {
     const std::uint16_t first = buckets_[bucket(line)];
     if (first != kNil && entries_[first].line == line) {
       return first;
     }
-    return obtain_further(now, line, kind);
+    return obtain_further(now, line);
   }
-  A2RT_NOINLINE std::uint16_t obtain_further(Cycles now, std::uint64_t line, Traffic kind);
+  A2RT_NOINLINE std::uint16_t obtain_further(Cycles now, std::uint64_t line);
   std::vector<Entry> entries_;
   std::uint16_t free_ = kNil, last_ = kQueue;
   std::uint32_t live_ = 0;
