@@ -52,11 +52,13 @@ TEST(MachineConfig, a_misspelt_key_is_a_user_error) {
 }
 
 TEST(MachineConfig, what_the_model_cannot_run_is_refused_with_the_range_it_can) {
-  for (const char* bad : {"rt.mhz=1366", "rt.mhz=170", "rt.stack_entry_bytes=33",
-                          "rt.stack_entry_bytes=0", "l1.mshrs=0"}) {
+  for (const char* bad :
+       {"rt.mhz=1366", "rt.mhz=170", "rt.stack_entry_bytes=33", "rt.stack_entry_bytes=0",
+        "l1.mshrs=0", "rt.warps=65", "l2.interleave=192"}) {
     EXPECT_THROW(load("table1", {bad}), UserError) << bad;
   }
   EXPECT_EQ(load("table1", {"rt.mhz=171"}).rt.mhz, 171u);
+  EXPECT_EQ(load("table1", {"rt.warps=64"}).rt.warps, 64u);
 }
 
 TEST(MachineConfig, overrides_reach_the_machine) {

@@ -71,6 +71,34 @@ TEST(Machine, a_launch_without_rays_or_segments_still_ends) {
   EXPECT_EQ(simulate(w, source, one_sm()).sm.warps, 1u);
 }
 
+// The place in the SM still holds what its last warp left behind.
+TEST(Machine, a_warp_without_rays_or_segments_ends_also_where_another_was_before) {
+  ScriptedSource source;
+  source.everyone = {count_event(EventKind::kTransform)};
+  MachineConfig config = one_sm();
+  config.sm.warps = 1;
+  Workload w = rays_only(96, 1, 32);
+  // The second of three rows traces nothing.
+  w.rays.erase(w.rays.begin() + 32, w.rays.begin() + 64);
+  w.driver_hits.resize(w.rays.size());
+  w.candidate_first.assign(w.rays.size() + 1, 0);
+  w.dispatches[0].ray_count = w.rays.size();
+  const SimulationResult result = simulate(w, source, config);
+  EXPECT_EQ(result.warps.size(), 3u);
+  EXPECT_EQ(result.rt.rays, 64u);
+}
+
+TEST(Machine, an_rt_unit_has_places_for_sixty_four_warps) {
+  ScriptedSource source;
+  source.everyone = {fetch(0), count_event(EventKind::kBoxTest), fetch(4096)};
+  MachineConfig config = one_sm();
+  config.sm.warps = config.rt.warps = 64;
+  const SimulationResult result = simulate(rays_only(80 * 32, 1, 32), source, config);
+  EXPECT_EQ(result.rt.warps, 80u);
+  config.rt.warps = 65;
+  EXPECT_THROW(simulate(rays_only(32), source, config), InternalError);
+}
+
 TEST(Machine, eight_sms_trace_eight_warps_in_the_time_of_one) {
   ScriptedSource source;
   MachineConfig config = one_sm();

@@ -9,7 +9,7 @@
 namespace a2rt::timing {
 namespace {
 
-// The tester an event goes to; kCount if it is not a test.
+// The tester that a test goes to; kCount: the event is no test.
 constexpr auto kTesterOf = [] {
   std::array<Tester, static_cast<std::size_t>(EventKind::kCount)> testers{};
   testers.fill(Tester::kCount);
@@ -77,7 +77,9 @@ void LaneCompiler::test(EventKind kind, std::uint32_t n) {
     return;
   }
   open_ = kind == EventKind::kBoxTest ? Open::kBoxTest : Open::kNothing;
-  out_->push_back(LaneOp::test(kTesterOf[static_cast<std::size_t>(kind)], n));
+  const Tester tester = kTesterOf[static_cast<std::size_t>(kind)];
+  A2RT_CHECK(tester != Tester::kCount && n <= LaneOp::kMostTests, "a unit emitted no test");
+  out_->push_back(LaneOp::test(tester, n));
 }
 
 void LaneCompiler::push(std::uint32_t n) {

@@ -1,5 +1,6 @@
 #include "a2rt/timing/machine_config.h"
 
+#include "a2rt/base/error.h"
 #include "a2rt/config/section.h"
 #include "a2rt/timing/tag_store.h"
 
@@ -74,7 +75,12 @@ void read_l2(L2Config& c, const Reader& r) {
   r(c.latency, "latency", 1, "core cycles", "lookup to data, on a hit");
   r(c.mshrs, "mshrs", 1, "sectors", "sectors being fetched at a time, per slice");
   r(c.mhz, "mhz", 1, "MHz", "L2 clock: one lookup per cycle and slice");
-  r(c.interleave, "interleave", 128, "bytes", "consecutive bytes in one slice");
+  r(c.interleave, "interleave", 128, "bytes", "consecutive bytes in one slice, whole lines");
+  if (c.interleave.value % kLineBytes != 0) {
+    throw UserError(r.section().where("interleave") + ": l2.interleave is " +
+                    std::to_string(c.interleave.value) + ", must be a multiple of " +
+                    std::to_string(kLineBytes) + " bytes, as a line lies in one slice");
+  }
   r(c.crossbar_latency, "crossbar_latency", 1, "core cycles", "one way between SM and slice");
 }
 

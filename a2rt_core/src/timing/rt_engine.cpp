@@ -28,6 +28,7 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
       slots_(config.rt.warps),
       port_(config.rt.port_sectors, ClockDomain(config.rt.mhz, config.core_mhz)),
       compiler_(config.rt) {
+  A2RT_CHECK(slots_.size() <= 64, "an RT unit has more places for warps than asking_ has bits");
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     slots_[i].index = static_cast<std::uint32_t>(i);
   }

@@ -36,8 +36,11 @@ bool ShaderAddresses::record_of(std::uint32_t ray, std::uint32_t& record) const 
   if (blas >= blas_first_.size() || hit.geometry >= workload_.blas[blas].geometries.size()) {
     return false;
   }
-  record = static_cast<std::uint32_t>(
-      blas_first_[blas] + workload_.blas[blas].geometries[hit.geometry].first + hit.primitive);
+  const Geometry& geometry = workload_.blas[blas].geometries[hit.geometry];
+  if (hit.primitive >= geometry.count) {
+    return false;
+  }
+  record = static_cast<std::uint32_t>(blas_first_[blas] + geometry.first + hit.primitive);
   return true;
 }
 

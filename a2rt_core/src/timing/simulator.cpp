@@ -96,7 +96,8 @@ Cycles Machine::last_progress() const {
   return last;
 }
 
-// First cycle in which anything happens; false if nothing will.
+// A cycle before which nothing happens; false if nothing will. Appointments far away are come to in
+// steps of the calendar's wheel.
 bool Machine::next_cycle(Cycles& next) const {
   bool any = false;
   const auto look = [&](const Calendar& calendar) {

@@ -48,7 +48,6 @@ bool Sm::launch(Cycles now) {
   ++counts_.warps;
   SegmentWork work;
   if (!warp.program.next(work, warp.rays)) {
-    set_state(now, slot, State::kReady);
     retire(now, slot);
     return true;
   }

@@ -1,4 +1,4 @@
-// A warp's way through one segment: arithmetic, loads, stores, then a trace or the next segment.
+// How a warp begins a segment, goes from phase to phase, and leaves for a trace or the next one.
 #include <algorithm>
 
 #include "a2rt/timing/sm.h"

@@ -49,7 +49,7 @@ enum class EventKind : std::uint8_t {
   kCount = 17
 };
 
-// One event; 16 bytes so that a ray's trace stays in cache.
+// One event as a value, for those who keep or compare them (event_receiver.h: EventValues).
 struct Event {
   EventKind kind = EventKind::kFetch;
   Traffic traffic = Traffic::kNone;  // kFetch, kContextPop

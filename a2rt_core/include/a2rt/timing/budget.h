@@ -1,6 +1,6 @@
-// A port's bandwidth as a type: uses go out in order, at most `limit` in a cycle of its clock. A
-// model that would send more than its hardware could stops with an error instead of printing a
-// nicer figure.
+// Bandwidths as types: ports and banks. A port's uses go out in order, at most `limit` in a cycle
+// of its clock. A model that would send more than its hardware could stops with an error instead of
+// printing a nicer figure.
 #pragma once
 
 #include <algorithm>

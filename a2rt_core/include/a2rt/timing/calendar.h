@@ -1,8 +1,8 @@
 // The calendar: who wakes when. A wheel of one bucket per cycle for the near future and a heap for
 // the rest. Nothing is polled; a component that has nothing to do costs nothing.
 //
-// A machine has ten calendars, which take turns in the host's caches: a bucket is four bytes and an
-// appointment sixteen.
+// A machine has a calendar per SM and two more, which take turns in the host's caches: a bucket is
+// four bytes and an appointment sixteen.
 #pragma once
 
 #include <algorithm>

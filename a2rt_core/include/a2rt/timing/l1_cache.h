@@ -44,7 +44,6 @@ class L1Cache final : public LineSink {
         0;                // the others were turned away by full MSHRs, from the first of them on
     SectorMask hits = 0;  // of the accepted; the rest come by L1Client::arrived
     SectorTimes ready{};  // of the hits
-    bool turned_away() const { return mshrs_full; }
     bool mshrs_full = false;
   };
   // Sends the sectors one by one through `port`, each in the first cycle in which port and bank are
@@ -57,7 +56,6 @@ class L1Cache final : public LineSink {
 
   const CacheCounts& counts() const { return counts_; }
   const TagStore& tags() const { return tags_; }
-  std::uint32_t misses_in_flight() const { return mshrs_used_; }
   std::string dump() const;
   void check_drained() const;
 

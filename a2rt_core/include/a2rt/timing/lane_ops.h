@@ -32,6 +32,8 @@ class LaneOp {
     kEnd
   };
 
+  static constexpr std::uint32_t kMostTests = 0xffff;  // in one operation
+
   LaneOp() = default;  // of no meaning
   static LaneOp test(Tester tester, std::uint64_t count) {
     return LaneOp(Code::kTest, count << 16 | static_cast<std::uint64_t>(tester) << 8);

@@ -20,7 +20,6 @@ using SectorMask = std::uint8_t;
 // What each sector of a line holds.
 using SectorKinds = std::array<Traffic, kSectorsPerLine>;
 
-constexpr Address sector_of(Address a) { return Address{a.value & ~(kSectorBytes - 1)}; }
 constexpr std::uint64_t line_of(Address a) { return a.value / kLineBytes; }
 constexpr std::uint32_t sector_index(Address a) {
   return static_cast<std::uint32_t>(a.value / kSectorBytes) % kSectorsPerLine;

@@ -21,7 +21,8 @@ struct SimulationOptions {
   std::vector<std::uint32_t> warps;
   // Only dispatches of these frames; empty = all.
   std::vector<std::uint32_t> frames;
-  // How far the machine's parts run alone; 0 = as far as they can. It matters to the host only.
+  // How far the machine's parts run alone; 0 = as far as they can. It matters to the host, and to
+  // who goes first of those that reach an L2 slice in one cycle from several SMs.
   Cycles stretch;
   // Called now and then with the share of warps done.
   std::function<void(double)> progress;
