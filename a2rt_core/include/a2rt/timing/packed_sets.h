@@ -50,6 +50,11 @@ class PackedSets {
   }
   std::optional<Victim> insert(Cycles now, std::uint64_t line, SectorMask sectors, Traffic kind,
                                bool dirty, SectorResidence& residence);
+  std::optional<Victim> fill(Cycles now, std::uint64_t line, SectorMask sectors, Traffic kind,
+                             SectorResidence& residence) {
+    const auto fresh = static_cast<SectorMask>(sectors & ~valid(line));
+    return fresh == 0 ? std::nullopt : insert(now, line, fresh, kind, false, residence);
+  }
 
  private:
   static constexpr std::uint32_t kNoWay = kMostWays;

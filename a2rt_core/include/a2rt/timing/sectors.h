@@ -17,8 +17,37 @@ inline constexpr std::uint32_t kSectorsPerLine = 4;
 
 // Sectors of one line: bit s stands for sector s.
 using SectorMask = std::uint8_t;
-// What each sector of a line holds.
-using SectorKinds = std::array<Traffic, kSectorsPerLine>;
+
+// What each sector of a line holds, in four bits each.
+class SectorKinds {
+ public:
+  Traffic operator[](std::uint32_t sector) const {
+    return static_cast<Traffic>(bits_ >> sector * 4 & 0xf);
+  }
+  void set(SectorMask sectors, Traffic kind) {
+    bits_ =
+        static_cast<std::uint16_t>((bits_ & ~kSpread[sectors]) | (kSpread[sectors] & all(kind)));
+  }
+  bool are(SectorMask sectors, Traffic kind) const {
+    return ((bits_ ^ all(kind)) & kSpread[sectors]) == 0;
+  }
+
+ private:
+  static_assert(static_cast<std::uint32_t>(Traffic::kCount) <= 16);
+  static constexpr std::uint32_t all(Traffic kind) {
+    return static_cast<std::uint32_t>(kind) * 0x1111;
+  }
+  // For each mask of sectors: the bits of those in it.
+  static constexpr auto kSpread = [] {
+    std::array<std::uint16_t, 1u << kSectorsPerLine> table{};
+    for (std::uint32_t m = 0; m < table.size(); ++m) {
+      for_each_bit(m,
+                   [&](std::uint32_t s) { table[m] |= static_cast<std::uint16_t>(0xf << s * 4); });
+    }
+    return table;
+  }();
+  std::uint16_t bits_ = 0;
+};
 
 constexpr std::uint64_t line_of(Address a) { return a.value / kLineBytes; }
 constexpr std::uint32_t sector_index(Address a) {
@@ -46,20 +75,17 @@ class SectorResidence {
   // Sectors of one kind enter a line; those of them that are `valid` there make room.
   void replace(Cycles now, SectorKinds& kinds, SectorMask valid, SectorMask sectors, Traffic kind) {
     leave(now, kinds, static_cast<SectorMask>(valid & sectors));
-    for_each_bit(sectors, [&](std::uint32_t s) { kinds[s] = kind; });
+    kinds.set(sectors, kind);
     change(now, kind, sectors_in(sectors));
   }
   // Some sectors of a line leave; neighbours are mostly of one kind.
   void leave(Cycles now, const SectorKinds& kinds, SectorMask sectors) {
-    for (std::uint32_t rest = sectors; rest != 0;) {
-      const Traffic kind = kinds[static_cast<std::size_t>(std::countr_zero(rest))];
-      std::uint32_t same = 0;
-      for (std::uint32_t s = 0; s < kSectorsPerLine; ++s) {
-        same |= std::uint32_t{kinds[s] == kind} << s;
-      }
-      change(now, kind,
-             -static_cast<std::int64_t>(sectors_in(static_cast<SectorMask>(rest & same))));
-      rest &= ~same;
+    while (sectors != 0) {
+      const Traffic kind = kinds[static_cast<std::uint32_t>(std::countr_zero(sectors))];
+      const auto lowest = static_cast<SectorMask>(sectors & -sectors);
+      const SectorMask same = kinds.are(sectors, kind) ? sectors : lowest;
+      change(now, kind, -static_cast<std::int64_t>(sectors_in(same)));
+      sectors = static_cast<SectorMask>(sectors ^ same);
     }
   }
   Totals totals(Cycles now) const {
