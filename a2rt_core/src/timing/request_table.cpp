@@ -15,9 +15,9 @@ RequestTable::RequestTable() {
 void RequestTable::clear() {
   A2RT_CHECK(live_ == 0, "requests of a warp that has ended are under way");
   entries_.assign(1, {});
-  buckets_.fill(kNil);
-  free_ = kNil;
-  last_ = kQueue;
+  buckets_.fill(kNone);
+  free_ = kNone;
+  last_ = kNone;
 }
 
 // Entries whose data has come are dropped on the way; a new one goes where the next of its lane's
@@ -25,7 +25,7 @@ void RequestTable::clear() {
 std::uint16_t RequestTable::obtain_further(Cycles now, std::uint64_t line) {
   std::uint16_t& head = buckets_[bucket(line)];
   std::uint16_t* link = &head;
-  while (*link != kNil) {
+  while (*link != kNone) {
     const std::uint16_t index = *link;
     Entry& entry = entries_[index];
     if (entry.line == line) {
@@ -40,8 +40,8 @@ std::uint16_t RequestTable::obtain_further(Cycles now, std::uint64_t line) {
     }
   }
   std::uint16_t index = free_;
-  if (index == kNil) {
-    A2RT_CHECK(entries_.size() < kNil / 4, "a warp asks for more lines than a token can name");
+  if (index == kNone) {
+    A2RT_CHECK(entries_.size() < kMostEntries, "a warp asks for more lines than a token can name");
     index = static_cast<std::uint16_t>(entries_.size());
     entries_.emplace_back();
   } else {

@@ -87,6 +87,9 @@ A2RT_INLINE void RtEngine::proceed(Cycles now, Cycles at, Slot& slot, std::uint3
   const Cycles next = lane.op->is_test() ? run_tests(now, at, lane) : at;
   if (next > now) [[likely]] {
     appoint(now, next, slot, l);
+    // Mostly a read comes next; if not, nothing is lost.
+    slot.requests.prefetch(lane.op->line());
+    l1_.prefetch(Address{lane.op->line() * kLineBytes});
   } else {
     run_lane(now, next, slot, l);
   }

@@ -51,6 +51,8 @@ class L1Cache final : public LineSink {
   Lookup read(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind,
               L1Client& client, std::uint32_t token);
   void write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind);
+  // The line will be read soon: brings what that touches into the host's caches.
+  void prefetch(Address line) const { tags_.prefetch(line); }
 
   void fill(Cycles now, Address line, SectorMask sectors) override;
 

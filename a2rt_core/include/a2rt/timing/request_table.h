@@ -49,7 +49,7 @@ class RequestTable {
       live_ += !entry.busy();
       entry.kind = entry.busy() ? entry.kind : kind;
       if (entry.to_send == 0) {
-        entry.queue_next = kNil;
+        entry.queue_next = kNone;
         entries_[last_].queue_next = index;
         last_ = index;
       }
@@ -58,7 +58,7 @@ class RequestTable {
     return true;
   }
 
-  bool nothing_to_send() const { return last_ == kQueue; }
+  bool nothing_to_send() const { return last_ == kNone; }
   struct Next {
     Address line;
     SectorMask sectors;
@@ -66,19 +66,19 @@ class RequestTable {
     std::uint32_t token;  // to be given back to arrived()
   };
   Next next() const {
-    const std::uint16_t first = entries_[kQueue].queue_next;
+    const std::uint16_t first = entries_[kNone].queue_next;
     const Entry& entry = entries_[first];
     return {Address{entry.line * kLineBytes}, entry.to_send, entry.kind, first};
   }
   // Of the request shown by next(), `accepted` were taken by L1.
   void sent(SectorMask accepted) {
-    const std::uint16_t first = entries_[kQueue].queue_next;
+    const std::uint16_t first = entries_[kNone].queue_next;
     Entry& entry = entries_[first];
     entry.to_send = static_cast<SectorMask>(entry.to_send & ~accepted);
     entry.in_flight = static_cast<SectorMask>(entry.in_flight | accepted);
     if (entry.to_send == 0) {
-      entries_[kQueue].queue_next = entry.queue_next;
-      last_ = last_ == first ? kQueue : last_;
+      entries_[kNone].queue_next = entry.queue_next;
+      last_ = last_ == first ? kNone : last_;
     }
   }
 
@@ -111,12 +111,16 @@ class RequestTable {
     }
   }
 
+  // The line will be asked for soon: brings what that touches into the host's caches.
+  void prefetch(std::uint64_t line) const { __builtin_prefetch(&entries_[buckets_[bucket(line)]]); }
+
   // Lines with sectors to send or under way.
   std::uint32_t live() const { return live_; }
 
  private:
-  static constexpr std::uint16_t kNil = 0xffff;
-  static constexpr std::uint16_t kQueue = 0;  // no line: an entry before the first to be sent
+  // The first entry is no request. It ends every chain, and comes before the first to be sent.
+  static constexpr std::uint16_t kNone = 0;
+  static constexpr std::uint64_t kNoLine = ~std::uint64_t{0};
   // For each sector of a line, a bit per lane. A vector, as all four change at once.
   using LaneMasks [[gnu::vector_size(16)]] = std::uint32_t;
   static std::uint32_t any_of(LaneMasks lanes) { return lanes[0] | lanes[1] | lanes[2] | lanes[3]; }
@@ -130,11 +134,12 @@ class RequestTable {
     return table;
   }();
   static constexpr std::size_t kBuckets = 128;
+  static constexpr std::size_t kMostEntries = 0x4000;
   struct alignas(64) Entry {
     LaneMasks lanes{};  // waiting
-    std::uint64_t line = 0;
+    std::uint64_t line = kNoLine;
     Cycles known;  // when all sectors of `arriving` are there
-    std::uint16_t hash_next = kNil, queue_next = kNil;
+    std::uint16_t hash_next = kNone, queue_next = kNone;
     SectorMask to_send = 0, in_flight = 0, arriving = 0;
     Traffic kind = Traffic::kNone;
     bool busy() const { return (to_send | in_flight) != 0; }
@@ -144,14 +149,14 @@ class RequestTable {
   // Finds the line's entry or makes one.
   std::uint16_t obtain(Cycles now, std::uint64_t line) {
     const std::uint16_t first = buckets_[bucket(line)];
-    if (first != kNil && entries_[first].line == line) {
+    if (entries_[first].line == line) {
       return first;
     }
     return obtain_further(now, line);
   }
   A2RT_NOINLINE std::uint16_t obtain_further(Cycles now, std::uint64_t line);
   std::vector<Entry> entries_;
-  std::uint16_t free_ = kNil, last_ = kQueue;
+  std::uint16_t free_ = kNone, last_ = kNone;
   std::uint32_t live_ = 0;
   std::array<std::uint16_t, kBuckets> buckets_;
 };
