@@ -3,6 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <map>
+#include <memory>
+#include <random>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
 #include "mocks.h"
 
 namespace a2rt::timing::test {
@@ -273,6 +282,138 @@ TEST(Banks, delay_a_message_until_its_first_sector_passes) {
 TEST(Banks, leave_messages_to_their_sectors_where_sectors_of_a_line_share_a_bank) {
   Banks uut(2);
   EXPECT_FALSE(uut.take_all(0, 0b0101, Cycles{0}, kTogether[0b0101]));
+}
+
+// A cache's port and banks as they are described: each sector by itself, in the first cycle of the
+// port's clock that has room for it and finds its bank free, never before the sector ahead of it.
+class PlainEntrance {
+ public:
+  PlainEntrance(std::uint32_t limit, ClockDomain clock) : limit_(limit), clock_(clock) {}
+  Cycles next(Cycles now) const { return clock_.to_core(edge(now)); }
+  // `taken`: cycles and banks in use, for all ports of the cache.
+  Cycles send(Cycles now, std::uint64_t bank,
+              std::set<std::pair<std::uint64_t, std::uint64_t>>& taken) {
+    Cycles own = edge(now);
+    while (!taken.insert({clock_.to_core(own).value, bank}).second) {
+      own = own + Cycles{1};
+    }
+    used_ = own == last_ ? used_ + 1 : 1;
+    last_ = own;
+    return clock_.to_core(own);
+  }
+
+ private:
+  Cycles edge(Cycles now) const {
+    Cycles own = used_ < limit_ ? last_ : last_ + Cycles{1};
+    while (clock_.to_core(own) < now) {
+      own = own + Cycles{1};
+    }
+    return own;
+  }
+  std::uint32_t limit_, used_ = 0;
+  ClockDomain clock_;
+  Cycles last_;
+};
+
+using Clock = std::pair<std::uint64_t, std::uint64_t>;  // the RT unit's and the core's, in MHz
+
+struct L1Messages : L1,
+                    ::testing::WithParamInterface<std::tuple<std::uint32_t, std::uint32_t, Clock>> {
+  std::set<std::pair<std::uint64_t, std::uint64_t>> taken;
+  std::uint64_t conflicts = 0;
+  // When each of the sectors enters the cache, and goes on from there.
+  SectorTimes entered(Cycles now, PlainEntrance& entrance, std::uint64_t line, SectorMask sectors) {
+    SectorTimes times{};
+    for_each_bit(sectors, [&](std::uint32_t s) {
+      const Cycles wanted = entrance.next(now);
+      const Cycles at = entrance.send(now, (line * kSectorsPerLine + s) % config.banks, taken);
+      conflicts += at.value - wanted.value;
+      times[s] = at + config.latency;
+    });
+    return times;
+  }
+  // The earliest start at which sectors a cycle apart are all there.
+  static Cycles departure(SectorMask sectors, const SectorTimes& times) {
+    for (Cycles leaves;; leaves = leaves + Cycles{1}) {
+      bool all = true;
+      std::uint64_t position = 0;
+      for_each_bit(sectors,
+                   [&](std::uint32_t s) { all = all && times[s] <= leaves + Cycles{position++}; });
+      if (all) {
+        return leaves;
+      }
+    }
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(
+    PortsBanksClocks, L1Messages,
+    ::testing::Combine(::testing::Values(1u, 2u, 3u, 4u), ::testing::Values(1u, 2u, 3u, 4u, 6u, 8u),
+                       ::testing::Values(Clock{1365, 1365}, Clock{1, 2}, Clock{171, 1365})));
+
+TEST_P(L1Messages, take_the_times_and_conflicts_of_their_sectors_one_by_one) {
+  const auto [limit, banks, mhz] = GetParam();
+  const ClockDomain clock(mhz.first, mhz.second);
+  config.banks = banks;
+  config.mshrs = config.merges = 100'000;
+  build();
+  // The RT unit's port, and the load/store unit's, which gets into its way now and then.
+  std::array<Port, 2> ports{Port(limit, clock), Port(4)};
+  std::array<PlainEntrance, 2> plain{PlainEntrance(limit, clock), PlainEntrance(4, {})};
+  std::mt19937 random(limit * 100 + banks);
+  std::map<std::uint64_t, SectorMask> asked;
+  std::map<std::uint32_t, Cycles> expected;  // of misses, by token
+  std::uint64_t hits = 0, misses = 0;
+  const auto message = [&](Cycles now, std::size_t unit, std::uint32_t token) {
+    const std::uint64_t line = random() % 256;
+    const auto sectors = static_cast<SectorMask>(random() % 15 + 1);
+    const SectorTimes times = entered(now, plain[unit], line, sectors);
+    const Address at{line * kLineBytes};
+    if (random() % 8 == 0) {
+      uut->write(now, ports[unit], at, sectors, Traffic::kShader);
+      ASSERT_EQ(lower.seen.back().leaves, departure(sectors, times));
+      return;
+    }
+    const std::size_t requests = lower.seen.size();
+    const L1Cache::Lookup found =
+        uut->read(now, ports[unit], at, sectors, Traffic::kNode, client, token);
+    ASSERT_EQ(found.accepted, sectors);
+    const auto fresh = static_cast<SectorMask>(sectors & ~asked[line]);
+    asked[line] = static_cast<SectorMask>(asked[line] | sectors);
+    ASSERT_EQ(found.hits & fresh, 0);
+    for_each_bit(found.hits, [&](std::uint32_t s) { ASSERT_EQ(found.ready[s], times[s]); });
+    ASSERT_EQ(lower.seen.size() - requests, fresh != 0 ? 1u : 0u);
+    if (fresh != 0) {
+      ASSERT_EQ(lower.seen.back().sectors, fresh);
+      ASSERT_EQ(lower.seen.back().leaves, departure(fresh, times));
+    }
+    if (fresh == sectors) {  // nothing of it was on its way already
+      expected[token] =
+          departure(fresh, times) + kBelow + Cycles{std::uint64_t{sectors_in(fresh)} - 1};
+    }
+    hits += sectors_in(found.hits);
+    misses += sectors_in(fresh);
+  };
+  std::vector<std::unique_ptr<At>> steps;
+  Cycles when{10};
+  for (std::uint32_t i = 0; i < 1500; ++i, when = when + Cycles{random() % 6}) {
+    steps.push_back(std::make_unique<At>(calendar, when, [&, i](Cycles now) {
+      const std::size_t unit = random() % 4 == 0 ? 1 : 0;
+      // As far ahead as units send.
+      if (!HasFatalFailure() && ports[unit].next(now) < now + Cycles{8}) {
+        message(now, unit, i);
+      }
+    }));
+  }
+  drain(calendar);
+  for (const auto& [token, ready] : expected) {
+    ASSERT_EQ(client.ready.at(token), ready);
+  }
+  EXPECT_EQ(uut->counts().bank_conflicts, conflicts);
+  EXPECT_GT(conflicts, 0u);
+  EXPECT_GT(hits, 300u);
+  EXPECT_GT(misses, 300u);
+  uut->check_drained();
 }
 
 }  // namespace
