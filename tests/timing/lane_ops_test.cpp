@@ -180,5 +180,53 @@ TEST(LaneOps, records_that_share_a_line_ask_for_it_once_and_for_each_sector_once
   EXPECT_EQ(c.counts.sectors_wanted[static_cast<std::size_t>(Traffic::kTriangle)], 1u);
 }
 
+// A context's record of 45 B at `begin` is read again; records at its end go on with it.
+struct Continued {
+  std::uint64_t begin;
+  std::vector<SectorMask> lines;  // from 64 on
+  std::uint64_t first, second;    // sectors wanted
+};
+
+TEST(LaneOps, what_touches_a_record_read_again_belongs_to_its_read_and_its_tests_wait_for_all) {
+  const Event save = count_event(EventKind::kContextPush);
+  for (const Continued& at : {Continued{8192, {0b0111}, 2, 1},               // in the same line
+                              Continued{8192 + 80, {0b1100, 0b0011}, 2, 2},  // into the next one
+                              Continued{8192 + 83, {0b1100, 0b0011}, 2, 2},  // all in the next one
+                              Continued{8192 + 90, {0b1100, 0b0011}, 3, 1}}) {
+    for (const Traffic kind : {Traffic::kAnchor, Traffic::kGroupNode}) {
+      const Event again{EventKind::kContextPop, kind, 1, 45, at.begin};
+      const Compiled c = compile({save, again, fetch(at.begin + 45, 45, Traffic::kTriangle),
+                                  count_event(EventKind::kTriangleTest)},
+                                 with(ContextPolicy::kRefetch));
+      const std::vector<Tester> testers =
+          kind == Traffic::kAnchor
+              ? std::vector{Tester::kAnchor, Tester::kTriangle}
+              : std::vector{Tester::kBox, Tester::kQuantizer, Tester::kTriangle};
+      ASSERT_EQ(c.ops.size(), at.lines.size() + testers.size() + 1);
+      for (std::size_t i = 0; i < at.lines.size(); ++i) {
+        EXPECT_EQ(c.ops[i].code(), Code::kRead);
+        EXPECT_EQ(c.ops[i].line(), 64 + i);
+        EXPECT_EQ(c.ops[i].sectors(), at.lines[i]);
+        EXPECT_EQ(c.ops[i].last(), i + 1 == at.lines.size());
+      }
+      for (std::size_t i = 0; i < testers.size(); ++i) {
+        EXPECT_EQ(c.ops[at.lines.size() + i].code(), Code::kTest);
+        EXPECT_EQ(c.ops[at.lines.size() + i].tester(), testers[i]);
+      }
+      EXPECT_EQ(c.codes().back(), Code::kEnd);
+      const auto k = static_cast<std::size_t>(kind);
+      const auto more = static_cast<std::size_t>(Traffic::kTriangle);
+      EXPECT_EQ(c.counts.fetches[k], 1u);
+      EXPECT_EQ(c.counts.fetches[more], 1u);
+      EXPECT_EQ(c.counts.fetch_bytes[k], 45u);
+      EXPECT_EQ(c.counts.fetch_bytes[more], 45u);
+      EXPECT_EQ(c.counts.sectors_wanted[k], at.first);
+      EXPECT_EQ(c.counts.sectors_wanted[more], at.second);
+      EXPECT_EQ(c.counts.context_refetches, 1u);
+      EXPECT_EQ(c.counts.context_refetch_steps, testers.size() - 1);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace a2rt::timing
