@@ -5,6 +5,8 @@
 
 #include <map>
 #include <random>
+#include <set>
+#include <vector>
 
 #include "mocks.h"
 
@@ -99,6 +101,90 @@ TEST_P(ShaderMemoryTest, payload_words_are_interleaved_by_lane) {
     }));
   }
   EXPECT_EQ(lines(ShaderAccess::kPayload), expected);
+}
+
+// Rays of one warp that hit primitives in two BLASes in any order, or miss.
+struct Records : ShaderMemoryTest {
+  static constexpr std::uint32_t kFirstOfSecond =
+      50;  // record of the second BLAS's first primitive
+  std::set<std::uint32_t> records;
+  std::uint32_t by_hit = 0;
+  Records() {
+    workload = rays_only(kLanes);
+    workload.shaders = {shader(capture::Stage::kRayGeneration), shader(capture::Stage::kClosestHit),
+                        shader(capture::Stage::kMiss)};
+    workload.blas.resize(2);
+    workload.blas[0].triangles.resize(kFirstOfSecond);
+    workload.blas[0].geometries = {{0, 20, true}, {20, 30, true}};
+    workload.blas[1].triangles.resize(40);
+    workload.blas[1].geometries = {{0, 40, true}};
+    workload.tlas.resize(1);
+    workload.tlas[0].instances.resize(2);
+    workload.tlas[0].instances[0].blas = 1;
+    workload.tlas[0].instances[1].blas = 0;
+    for (std::uint32_t l = 0; l < kLanes; ++l) {
+      Hit& hit = workload.driver_hits[l];
+      hit.instance = random() % 2;
+      hit.geometry = hit.instance == 0 ? 0 : random() % 2;
+      hit.primitive = random() % 8;  // few, so that lanes share them
+      hit.state = random() % 4 == 0 ? HitState::kMiss : HitState::kHit;
+      workload.segments.push_back(segment(l, 0, {}, l));
+      if (hit.state == HitState::kHit && (lanes.lanes >> l & 1) != 0) {
+        by_hit |= 1u << l;
+        records.insert(hit.instance == 0 ? kFirstOfSecond + hit.primitive
+                                         : hit.geometry * 20 + hit.primitive);
+      }
+    }
+    workload.dispatches[0].segment_count = workload.segments.size();
+  }
+  // What a shader's lanes find once their rays are back.
+  void find(std::uint32_t in_shader) {
+    const DispatchProgram program(workload, 0);
+    WarpProgram warp(workload, program, 0, kLanes);
+    SegmentWork work;
+    LaneRays rays;
+    ASSERT_TRUE(warp.next(work, rays));
+    ShaderAddresses(workload, config).find_records(in_shader, warp, lanes);
+  }
+  Lines streamed(std::uint32_t mask) const {
+    const std::uint64_t bytes = words * 4;
+    return touched(mask, bytes, [&](std::uint32_t l) {
+      return (std::uint64_t{1} << 47) + (std::uint64_t{ordinal} << 32) + launch(l) * 16;
+    });
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(WordsPerLoad, Records, ::testing::Values(1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u));
+
+TEST_P(Records, of_all_hits_are_found_once_each_and_lanes_without_a_hit_stream) {
+  find(1);
+  EXPECT_EQ(lanes.by_hit, by_hit);
+  EXPECT_EQ(std::vector<std::uint32_t>(lanes.record.begin(), lanes.record.begin() + lanes.records),
+            std::vector<std::uint32_t>(records.begin(), records.end()));
+  ordinal = 1;
+  Lines expected = streamed(lanes.lanes & ~by_hit);
+  for (const std::uint32_t record : records) {
+    expected.merge(touched(1, words * 4, [&](std::uint32_t) {
+      return (std::uint64_t{1} << 45) + record * 128 + words * 4;
+    }));
+  }
+  EXPECT_EQ(lines(ShaderAccess::kBufferLoad), expected);
+}
+
+TEST_P(Records, are_nothing_to_a_shader_that_works_on_no_hit) {
+  for (const std::uint32_t other : {0u, 2u, 3u}) {
+    find(other);
+    EXPECT_EQ(lanes.by_hit, 0u);
+    EXPECT_EQ(lines(ShaderAccess::kBufferLoad), streamed(lanes.lanes));
+  }
+}
+
+TEST_P(Records, are_not_read_where_every_load_streams) {
+  config.shader_memory = ShaderMemory::kStreaming;
+  find(1);
+  EXPECT_EQ(lanes.by_hit, 0u);
+  EXPECT_EQ(lanes.records, 0u);
+  EXPECT_EQ(lines(ShaderAccess::kBufferLoad), streamed(lanes.lanes));
 }
 
 }  // namespace
