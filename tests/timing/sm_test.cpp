@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <random>
+#include <vector>
+
 #include "mocks.h"
 
 namespace a2rt::timing::test {
@@ -182,6 +186,160 @@ TEST_F(SmTest, segments_out_of_order_are_refused) {
   Workload w = same(2, alu(1));
   std::swap(w.segments[0], w.segments[1]);
   EXPECT_THROW(run(w), UserError);
+}
+
+// A scheduler that looks at its warps in every cycle and issues one instruction of arithmetic:
+// greedy, then oldest. Returns each warp's residence; warps launch in order into free slots.
+class PlainScheduler {
+ public:
+  using Instructions = std::array<std::uint32_t, 3>;  // uniform loads, ALU, SFU: in this order
+  explicit PlainScheduler(const SmConfig& sm) : sm_(sm) {}
+
+  std::vector<Cycles> run(const std::vector<Instructions>& warps) {
+    std::vector<Cycles> residence(warps.size());
+    std::vector<Slot> slots(sm_.warps);
+    std::size_t launched = 0, retired = 0, last = slots.size();
+    Cycles sfu_free;
+    const auto launch = [&](Cycles now, Slot& slot) {
+      if (launched < warps.size()) {
+        slot = {true, launched, warps[launched], now, now, 0, Cycles{0}};
+        ++launched;
+      }
+    };
+    for (Slot& slot : slots) {
+      launch(Cycles{0}, slot);
+    }
+    for (Cycles now; retired < warps.size(); now = now + Cycles{1}) {
+      for (Slot& slot : slots) {
+        if (slot.relaunch == now && now > Cycles{0}) {
+          launch(now, slot);
+        }
+      }
+      for (bool issued = false; !issued;) {
+        std::size_t chosen = slots.size();
+        for (std::size_t s = 0; s < slots.size(); ++s) {
+          const bool ready =
+              slots[s].live && slots[s].ready <= now && !(slots[s].kind() == 2 && sfu_free > now);
+          if (ready && (chosen == slots.size() || s == last ||
+                        (chosen != last && slots[s].warp < slots[chosen].warp))) {
+            chosen = s;
+          }
+        }
+        if (chosen == slots.size()) {
+          break;
+        }
+        Slot& slot = slots[chosen];
+        if (slot.kind() == 3) {
+          residence[slot.warp] = now - slot.since;
+          ++retired;
+          slot.live = false;
+          slot.relaunch = now + Cycles{1};
+          continue;
+        }
+        issue(now, slot, sfu_free);
+        last = chosen;
+        issued = true;
+      }
+    }
+    return residence;
+  }
+
+ private:
+  struct Slot {
+    bool live = false;
+    std::size_t warp = 0;
+    Instructions left{};
+    Cycles since, ready;
+    std::uint32_t in_burst = 0;
+    Cycles relaunch;
+    std::size_t kind() const { return left[0] > 0 ? 0 : left[1] > 0 ? 1 : left[2] > 0 ? 2 : 3; }
+  };
+  void issue(Cycles now, Slot& slot, Cycles& sfu_free) const {
+    const std::size_t kind = slot.kind();
+    const bool last = --slot.left[kind] == 0;
+    if (kind == 2) {
+      sfu_free = now + sm_.sfu_interval;
+      slot.ready = now + (last ? sm_.sfu_latency : sm_.sfu_interval);
+      return;
+    }
+    // The next of a burst need not wait for this one.
+    if (++slot.in_burst == sm_.independent_instructions || last) {
+      slot.in_burst = 0;
+      slot.ready = now + (kind == 0 ? sm_.uniform_latency : sm_.alu_latency);
+    } else {
+      slot.ready = now + Cycles{1};
+    }
+  }
+  SmConfig sm_;
+};
+
+struct SmBursts : SmTest {
+  SmBursts() { config.sm.words_per_load = 1; }
+  void expect_plain(const std::vector<PlainScheduler::Instructions>& warps) {
+    std::vector<Segment> segments;
+    std::array<std::uint64_t, 3> all{};
+    for (std::uint32_t l = 0; l < warps.size() * kLanes; ++l) {
+      const auto& [uniform, alu, sfu] = warps[l / kLanes];
+      segments.push_back(segment(l, 0, {alu, sfu, uniform}));
+    }
+    for (const auto& warp : warps) {
+      for (std::size_t kind = 0; kind < 3; ++kind) {
+        all[kind] += warp[kind];
+      }
+    }
+    const SimulationResult r = run(shaders_only(static_cast<std::uint32_t>(segments.size()),
+                                                {shader(Stage::kRayGeneration)}, segments));
+    const std::vector<Cycles> expected = PlainScheduler(config.sm).run(warps);
+    ASSERT_EQ(r.warps.size(), warps.size());
+    for (std::size_t w = 0; w < warps.size(); ++w) {
+      ASSERT_EQ(r.warps[w].residence, expected[w]) << "warp " << w;
+    }
+    EXPECT_EQ(r.sm.uniform, all[0]);
+    EXPECT_EQ(r.sm.alu, all[1]);
+    EXPECT_EQ(r.sm.sfu, all[2]);
+    EXPECT_EQ(r.scheduler_reasons[static_cast<std::size_t>(SchedulerReason::kIssueAlu)],
+              all[0] + all[1]);
+    EXPECT_EQ(r.scheduler_reasons[static_cast<std::size_t>(SchedulerReason::kIssueSfu)], all[2]);
+  }
+};
+
+TEST_F(SmBursts, of_a_warp_alone_end_as_if_issued_one_by_one_whatever_their_number) {
+  for (std::uint32_t burst = 1; burst <= 6; ++burst) {
+    config.sm.independent_instructions = burst;
+    for (std::uint32_t n = 0; n <= 2 * burst + 1; ++n) {
+      expect_plain({{0, n, 0}});
+      expect_plain({{n, 0, 0}});
+      expect_plain({{n, 2 * burst + 1 - n, n % 3}});
+    }
+  }
+}
+
+TEST_F(SmBursts, of_a_warp_give_way_to_one_that_becomes_ready_amid_them) {
+  config.sm.warps = 2;
+  for (std::uint32_t burst = 1; burst <= 4; ++burst) {
+    config.sm.independent_instructions = burst;
+    // The second warp's end makes room for the third in any cycle of the first one's bursts.
+    for (std::uint32_t n = 0; n < 12; ++n) {
+      expect_plain({{0, 60, 0}, {0, n, 0}, {0, 9, 0}});
+      expect_plain({{0, 60, 0}, {0, 0, n}, {2, 9, 3}});
+    }
+  }
+}
+
+TEST_F(SmBursts, of_any_warps_together_end_as_if_issued_one_by_one) {
+  std::mt19937 engine(5);
+  const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(engine() % n); };
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    config.sm.warps = 1 + below(4);
+    config.sm.independent_instructions = 1 + below(5);
+    std::vector<PlainScheduler::Instructions> warps(1 + below(8));
+    for (auto& [uniform, alu, sfu] : warps) {
+      uniform = below(3) == 0 ? below(12) : 0;
+      alu = below(40);
+      sfu = below(3) == 0 ? below(5) : 0;
+    }
+    expect_plain(warps);
+  }
 }
 
 }  // namespace
