@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
 
 #include "a2rt/rt/fast_triangle.h"
@@ -59,6 +60,47 @@ TEST(FastTriangle, FindsTheFirstOfSeveral) {
   EXPECT_EQ(t, 2);
   EXPECT_EQ(uut.find(padded + 2, 2, edges), 1U);
   EXPECT_EQ(uut.find(padded + 2, 1, edges), 1U);
+}
+
+TEST(FastTriangle, FindsAmongSeveralWhatTheDriversTestFindsFirst) {
+  synthetic::Random random(12);
+  std::array<int, 8> found{};  // by place; the last: none
+  for (int i = 0; i < 20000; ++i) {
+    const auto count = static_cast<std::uint32_t>(i % 8);
+    const Vec3 origin = random.in_box(-2, 2), dir = random.in_box(-1, 1);
+    const DriverTriangleTest driver(origin, dir);
+    AxisTriangle padded[8];
+    std::uint32_t first = count;
+    for (std::uint32_t k = count; k-- > 0;) {
+      Triangle triangle;
+      for (Vec3& v : triangle.v) {
+        v = random.in_box(-1, 1);
+      }
+      padded[k] = AxisTriangle(triangle);
+      // The line is met by what is behind the origin, too: the driver's test of the other way
+      // tells.
+      const Vec3 back{-dir.x, -dir.y, -dir.z};
+      if (driver(triangle).hit || DriverTriangleTest(origin, back)(triangle).hit) {
+        first = k;
+      }
+    }
+    const FastTriangle uut(origin, dir);
+    FastTriangle::Edges vector{}, scalar{};
+    ASSERT_EQ(uut.find(padded, count, vector), first);
+    ASSERT_EQ(uut.find_scalar(padded, count, scalar), first);
+    ++found[first < count ? first : 7];
+    if (first < count) {
+      ASSERT_EQ(vector.u, scalar.u);
+      ASSERT_EQ(vector.v, scalar.v);
+      ASSERT_EQ(vector.w, scalar.w);
+      for (std::size_t v = 0; v < 3; ++v) {
+        ASSERT_EQ(vector.z[v], scalar.z[v]);
+      }
+    }
+  }
+  for (const int times : found) {
+    EXPECT_GT(times, 5);
+  }
 }
 
 }  // namespace
