@@ -25,6 +25,17 @@ TEST_P(AnyDivisor, quotient_and_rest_are_those_of_a_division) {
   }
 }
 
+TEST_P(AnyDivisor, quotients_are_right_on_both_sides_of_where_multiplication_is_given_up) {
+  const std::uint64_t by = GetParam(), last = ~std::uint64_t{0} / by;
+  const Divider uut(by);
+  for (const std::uint64_t around : {last, last / by * by, std::uint64_t{0}, ~std::uint64_t{0}}) {
+    for (std::uint64_t i = 0; i < 7; ++i) {
+      const std::uint64_t number = around + i - 3;  // wraps around
+      ASSERT_EQ(uut.quotient(number), number / by) << number;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Divisors, AnyDivisor,
                          ::testing::Values(1, 2, 3, 7, 24, 256, 1000, 2048, 1'000'000,
                                            (std::uint64_t{1} << 40) - 1, ~std::uint64_t{0}));
