@@ -1,6 +1,7 @@
 // AQB8's arithmetic: formats and corners as specified, and its measured loss at small |d|.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -71,6 +72,7 @@ TEST(Aqb8, SaturatedLowBoundWrapsTheHighBound) {
 TEST(Aqb8, EightBoxesAtOnceAreTestedBitByBitAsOneByOne) {
   std::uint32_t state = 1;
   const auto next = [&] { return state = state * 1664525U + 1013904223U, state >> 8; };
+  int hits = 0, misses = 0;
   for (int i = 0; i < 50'000; ++i) {
     Aqb8Ray ray;
     Aqb8Local local;
@@ -95,10 +97,14 @@ TEST(Aqb8, EightBoxesAtOnceAreTestedBitByBitAsOneByOne) {
       ASSERT_EQ(boxes.get(slot), box);
     }
     std::array<std::int32_t, Aqb8Block::kWidth> entry{}, expected{};
-    ASSERT_EQ(aqb8_test_block(ray, local, boxes, entry.data()),
-              aqb8_test_block_scalar(ray, local, boxes, expected.data()));
+    const std::uint32_t hit = aqb8_test_block(ray, local, boxes, entry.data());
+    ASSERT_EQ(hit, aqb8_test_block_scalar(ray, local, boxes, expected.data()));
     ASSERT_EQ(entry, expected);
+    hits += std::popcount(hit);
+    misses += std::popcount(~hit & 0xFFU);
   }
+  EXPECT_GT(hits, 5'000);
+  EXPECT_GT(misses, 5'000);
 }
 
 TEST(Aqb8Loss, NoneAboveTwoToMinusSixteen) {
