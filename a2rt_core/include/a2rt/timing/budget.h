@@ -30,7 +30,7 @@ class Port {
 
   // Core cycle of the next use, if it is wanted at `now` or later.
   Cycles next(Cycles now) const {
-    return now <= free_ ? free_ : same_clock_ ? now : clock_.to_core(clock_.from_core(now));
+    return now <= free_ ? free_ : same_clock_ ? now : clock_.to_core(clock_.seen_from(now));
   }
   // So many uses may go through in one core cycle: `at`, which is next() of some cycle, or a later.
   bool fits(Cycles at, std::uint32_t uses) const {
@@ -42,7 +42,7 @@ class Port {
     if (at >= following_) {
       end_ = at + Cycles{1};
       following_ =
-          same_clock_ ? end_ : std::max(end_, clock_.to_core(clock_.from_core(at) + Cycles{1}));
+          same_clock_ ? end_ : std::max(end_, clock_.to_core(clock_.seen_from(at) + Cycles{1}));
       used_ = 0;
       ++cycles_used_;
     }

@@ -22,6 +22,11 @@ class ClockDomain {
   Cycles from_core(Cycles core) const {
     return same() ? core : Cycles{ceil_div(core.value * mhz_, core_mhz_)};
   }
+  // First edge of this domain that comes to the core in cycle `core` or later, as to_core() tells.
+  // An edge between two core cycles is not lost by going there and back, unlike with from_core().
+  Cycles seen_from(Cycles core) const {
+    return same() || core == Cycles{0} ? core : Cycles{(core.value - 1) * mhz_ / core_mhz_ + 1};
+  }
   // Core cycle in which this domain's edge `own` lies.
   Cycles core_of(Cycles own) const { return same() ? own : Cycles{own.value * core_mhz_ / mhz_}; }
   // First core edge at or after this domain's edge `own`.
