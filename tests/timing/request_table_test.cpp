@@ -151,6 +151,8 @@ TEST_F(Requests, those_told_may_ask_for_more_lines_than_the_table_has_held) {
     EXPECT_EQ(arrive(send(), 0b1000, 40), (std::vector<Told>{{lane, Cycles{43}, true}}));
   }
   EXPECT_EQ(uut.live(), 0u);
+  EXPECT_TRUE(add(50, 5, 7, 0b0001));
+  EXPECT_EQ(arrive(send(), 0b0001, 60), (std::vector<Told>{{5, Cycles{60}, true}}));
   uut.clear();
 }
 
