@@ -38,6 +38,7 @@ TEST_P(AnyDivisor, quotients_are_right_on_both_sides_of_where_multiplication_is_
 
 INSTANTIATE_TEST_SUITE_P(Divisors, AnyDivisor,
                          ::testing::Values(1, 2, 3, 7, 24, 256, 1000, 2048, 1'000'000,
+                                           (std::uint64_t{1} << 32) + 1,
                                            (std::uint64_t{1} << 40) - 1, ~std::uint64_t{0}));
 
 }  // namespace
