@@ -200,7 +200,7 @@ void MemorySystem::split(Cycles start, std::uint32_t index, SectorMask hits) {
 // Where the chain begins in which a request for this sector would be.
 std::uint32_t& MemorySystem::mshrs(const Request& r) {
   const std::uint64_t sector = r.line.value / kSectorBytes + first_sector(r.sectors);
-  return mshrs_[sector * 0x9e3779b97f4a7c15u >> kMshrHashShift];
+  return mshrs_[mixed(sector) >> kMshrHashShift];
 }
 
 // `waited`: a miss that had its turn in the queue for an MSHR.

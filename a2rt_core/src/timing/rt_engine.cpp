@@ -48,7 +48,6 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
 
 void RtEngine::accept(Cycles now, std::uint32_t warp, LaneRays rays) {
   A2RT_CHECK(has_room(), "the RT unit was given a warp without having room");
-  account_series(now);
   account(now);
   Slot& slot = *std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return !s.used; });
   slot.used = true;
@@ -248,7 +247,6 @@ void RtEngine::suspend(Cycles now, Slot& slot, std::uint32_t l, LaneOp op) {
   Lane& lane = slot.lanes[l];
   lane.ordinal = static_cast<std::uint16_t>(op.count());
   lane.intersection = op.code() == LaneOp::Code::kIntersection;
-  account_series(now);
   account(now);
   set_state(now, lane, LaneState::kCandidate);
   ++slot.suspended;
@@ -291,7 +289,6 @@ void RtEngine::candidates_done(Cycles now, std::uint32_t warp) {
 }
 
 void RtEngine::end_ray(Cycles now, Slot& slot, std::uint32_t l) {
-  account_series(now);
   account(now);
   set_state(now, slot.lanes[l], LaneState::kDone);
   host_.ray_time(slot.warp, l, now - slot.lanes[l].started);
@@ -370,7 +367,6 @@ void RtEngine::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
 
 void RtEngine::back_from_shader(Cycles now, Slot& slot, std::uint32_t l) {
   slot.judging = --slot.away > 0;
-  account_series(now);
   account(now);
   set_state(now, slot.lanes[l], LaneState::kInUnit);
   run_lane(now, now, slot, l);
@@ -390,15 +386,16 @@ RtReason RtEngine::reason() const {
   return in_shader_ > 0 ? RtReason::kWaitShader : RtReason::kIdle;
 }
 
-void RtEngine::account(Cycles now) {
+void RtEngine::account_cycles(Cycles now) {
   if (now > attribution_.booked()) {
     const std::uint64_t tests = testing_.take(now);
     attribution_.until(now, port_blocked_ ? 0 : tests, RtReason::kTest, reason());
   }
 }
 
-// Before what the series show changes.
-void RtEngine::account_series(Cycles now) {
+// Before the unit's warps and lanes change.
+void RtEngine::account(Cycles now) {
+  account_cycles(now);
   if (now > series_until_) {
     occupancy_.add(series_until_, now, resident_);
     active_series_.add(series_until_, now, in_unit_ + in_shader_);
@@ -407,7 +404,6 @@ void RtEngine::account_series(Cycles now) {
 }
 
 void RtEngine::finish(Cycles end) {
-  account_series(end);
   account(end);
   attribution_.check(end);
   counts_.port_cycles = port_.cycles_used();

@@ -39,7 +39,7 @@ A2RT_INLINE void RtEngine::send_request(Cycles now, Slot& slot) {
 
 // Sends what is queued for the next few cycles. An older warp that asks meanwhile waits so long.
 void RtEngine::run_port(Cycles now) {
-  account(now);
+  account_cycles(now);
   port_booked_ = false;
   const std::uint64_t cycles_before = port_.cycles_used();
   const std::uint64_t conflicts_before = l1_.counts().bank_conflicts;
@@ -75,7 +75,7 @@ void RtEngine::arrived(Cycles now, std::uint32_t token, SectorMask sectors,
 }
 
 void RtEngine::unblocked(Cycles now) {
-  account(now);
+  account_cycles(now);
   port_blocked_ = false;
   kick_port(now);
 }

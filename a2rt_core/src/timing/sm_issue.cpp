@@ -1,16 +1,9 @@
 // Schedulers of an SM: which warp issues when, and what that brings about.
 #include <algorithm>
-#include <limits>
 
 #include "a2rt/timing/sm.h"
 
 namespace a2rt::timing {
-namespace {
-
-constexpr Cycles kNever{std::numeric_limits<std::uint64_t>::max()};
-
-}  // namespace
-
 // Cycle before which the warp cannot be through with its phase's arithmetic.
 Cycles Sm::earliest_end(const Scheduler& scheduler, const Front& front) const {
   const Cycles at = std::max(front.ready, scheduler.free) + front.span;
@@ -24,11 +17,11 @@ Cycles Sm::earliest_end(const Scheduler& scheduler, const Front& front) const {
 // Books the scheduler for the first cycle in which a warp may reach something beyond arithmetic.
 void Sm::book(Cycles now, std::uint32_t index) {
   Scheduler& scheduler = schedulers_[index];
-  Cycles earliest = kNever;
+  Cycles earliest = Calendar::kNever;
   for (const std::uint32_t slot : scheduler.ready) {
     earliest = std::min(earliest, earliest_end(scheduler, fronts_[slot]));
   }
-  if (earliest == kNever) {
+  if (earliest == Calendar::kNever) {
     return;
   }
   const Cycles when = std::max(now, earliest);
@@ -44,7 +37,7 @@ void Sm::book(Cycles now, std::uint32_t index) {
 // that issued last, else the oldest.
 std::uint32_t Sm::choose(const Scheduler& scheduler) const {
   std::uint32_t best = kNoSlot;
-  Cycles first = kNever;
+  Cycles first = Calendar::kNever;
   std::uint64_t first_rank = 0;
   for (const std::uint32_t slot : scheduler.ready) {
     const Front& front = fronts_[slot];
@@ -59,11 +52,13 @@ std::uint32_t Sm::choose(const Scheduler& scheduler) const {
   return best;
 }
 
-// The warp is ready, so up to `now` its scheduler waited for results.
-void Sm::spend(Cycles now, Scheduler& scheduler, std::uint32_t slots, SchedulerReason reason) {
-  A2RT_CHECK(now >= scheduler.free, "a scheduler issued twice in one cycle");
-  scheduler.free = now + Cycles{slots};
-  scheduler.attribution.until(scheduler.free, slots, reason, SchedulerReason::kWaitDependency);
+// Issues `issued` instructions in the cycles from `begin` to `end`. The warp is ready, so in the
+// others its scheduler waited for results.
+void Sm::spend(Cycles begin, Cycles end, Scheduler& scheduler, std::uint32_t issued,
+               SchedulerReason reason) {
+  A2RT_CHECK(begin >= scheduler.free, "a scheduler issued twice in one cycle");
+  scheduler.free = end;
+  scheduler.attribution.until(end, issued, reason, SchedulerReason::kWaitDependency);
 }
 
 // Issues arithmetic from cycle `at` on, as far as nothing else can be issued before `end`.
@@ -83,7 +78,7 @@ bool Sm::issue_arithmetic(Cycles at, Cycles end, Front& front, Scheduler& schedu
   }
   --front.sfu;
   ++counts_.sfu;
-  spend(at, scheduler, 1, SchedulerReason::kIssueSfu);
+  spend(at, at + Cycles{1}, scheduler, 1, SchedulerReason::kIssueSfu);
   scheduler.sfu_free = at + sm.sfu_interval;
   front.ready = at + (front.sfu > 0 ? sm.sfu_interval : sm.sfu_latency);
   return true;
@@ -105,10 +100,7 @@ std::uint32_t Sm::issue_bursts(Cycles at, Cycles end, std::uint32_t& left, Cycle
   const std::uint32_t in_last = std::min(left - whole * burst, burst);
   const std::uint32_t issued = whole * burst + in_last;
   left -= issued;
-  A2RT_CHECK(at >= scheduler.free, "a scheduler issued twice in one cycle");
-  scheduler.free = last + Cycles{in_last};
-  scheduler.attribution.until(scheduler.free, issued, SchedulerReason::kIssueAlu,
-                              SchedulerReason::kWaitDependency);
+  spend(at, last + Cycles{in_last}, scheduler, issued, SchedulerReason::kIssueAlu);
   front.ready = last + Cycles{in_last - 1} + latency;
   front.span = front.span - (front.ready - at);
   return issued;
@@ -143,7 +135,7 @@ bool Sm::issue_access(Cycles now, std::uint32_t slot, Scheduler& scheduler, bool
   const std::uint32_t ordinal = --warp.accesses[warp.access];
   --(write ? warp.stores : warp.loads_phase);
   ++(write ? counts_.stores : counts_.loads);
-  spend(now, scheduler, 1, SchedulerReason::kIssueMemory);
+  spend(now, now + Cycles{1}, scheduler, 1, SchedulerReason::kIssueMemory);
   front.ready = now + Cycles{1};
   const bool last_load = !write && warp.loads_phase == 0;
   if (config_.shader_memory == ShaderMemory::kIdeal) {

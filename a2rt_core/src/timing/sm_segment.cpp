@@ -77,7 +77,7 @@ bool Sm::end_segment(Cycles now, std::uint32_t slot, Scheduler& scheduler) {
       std::any_of(warp.rays.begin(), warp.rays.end(), [](std::uint32_t r) { return r != kNone; });
   if (traces) {
     ++counts_.traces;
-    spend(now, scheduler, 1, SchedulerReason::kIssueTrace);
+    spend(now, now + Cycles{1}, scheduler, 1, SchedulerReason::kIssueTrace);
     warp.traced = now;
     if (rt_.has_room() && waiting_for_rt_.empty()) {
       enter_rt(now, slot);

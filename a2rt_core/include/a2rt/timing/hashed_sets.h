@@ -107,7 +107,7 @@ class HashedSets {
   };
 
   std::uint32_t home(std::uint64_t line) const {
-    return static_cast<std::uint32_t>((line * 0x9e3779b97f4a7c15u) >> hash_shift_);
+    return static_cast<std::uint32_t>(mixed(line) >> hash_shift_);
   }
   std::uint32_t next(std::uint32_t bucket) const { return (bucket + 1) & bucket_mask_; }
   Place find(std::uint64_t line) const {

@@ -87,7 +87,7 @@ class L1Cache final : public LineSink {
     Traffic kind = Traffic::kNone;
   };
   static std::size_t bucket(std::uint64_t line) {
-    return (line * 0x9e3779b97f4a7c15u) >> (64 - std::bit_width(kBuckets - 1));
+    return mixed(line) >> (64 - std::bit_width(kBuckets - 1));
   }
   void enter(Cycles now, Port& port, Address line, SectorMask sectors, SectorTimes& ready);
   A2RT_NOINLINE void enter_one_by_one(Cycles now, Port& port, Address line, SectorMask sectors,

@@ -68,7 +68,7 @@ class PackedSets {
   };
 
   static std::uint8_t digest_of(std::uint64_t line) {
-    return static_cast<std::uint8_t>((line * 0x9e3779b97f4a7c15u) >> 56);
+    return static_cast<std::uint8_t>(mixed(line) >> 56);
   }
   // The first byte equal to `wanted` that `accept` takes. A byte may look equal when it is not,
   // but only above one that is.

@@ -145,7 +145,7 @@ class RequestTable {
     bool busy() const { return (to_send | in_flight) != 0; }
   };
   static_assert(kSectorsPerLine == 4);
-  std::size_t bucket(std::uint64_t line) const { return (line * 0x9e3779b97f4a7c15u) >> 57; }
+  std::size_t bucket(std::uint64_t line) const { return mixed(line) >> 57; }
   // Finds the line's entry or makes one.
   std::uint16_t obtain(Cycles now, std::uint64_t line) {
     const std::uint16_t first = buckets_[bucket(line)];

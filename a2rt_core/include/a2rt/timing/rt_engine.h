@@ -155,7 +155,7 @@ class RtEngine final : public Component, public L1Client {
   void send_request(Cycles now, Slot& slot);
   RtReason reason() const;
   void account(Cycles now);
-  void account_series(Cycles now);
+  void account_cycles(Cycles now);
 
   MachineConfig config_;
   std::uint32_t index_;

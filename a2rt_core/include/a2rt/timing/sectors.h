@@ -49,6 +49,8 @@ class SectorKinds {
   std::uint16_t bits_ = 0;
 };
 
+// A line's or sector's number for a hash table; the upper bits are the well mixed ones.
+constexpr std::uint64_t mixed(std::uint64_t number) { return number * 0x9e3779b97f4a7c15u; }
 constexpr std::uint64_t line_of(Address a) { return a.value / kLineBytes; }
 constexpr std::uint32_t sector_index(Address a) {
   return static_cast<std::uint32_t>(a.value / kSectorBytes) % kSectorsPerLine;

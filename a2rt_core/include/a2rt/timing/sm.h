@@ -157,7 +157,7 @@ class Sm final : public Component, public RtHost, public L1Client {
   void book(Cycles now, std::uint32_t scheduler);
   Cycles earliest_end(const Scheduler& scheduler, const Front& front) const;
   std::uint32_t choose(const Scheduler& scheduler) const;
-  A2RT_INLINE void spend(Cycles now, Scheduler& scheduler, std::uint32_t slots,
+  A2RT_INLINE void spend(Cycles begin, Cycles end, Scheduler& scheduler, std::uint32_t issued,
                          SchedulerReason reason);
   // These return whether anything was issued.
   A2RT_INLINE bool step(Cycles now, std::uint32_t slot, Scheduler& scheduler);
