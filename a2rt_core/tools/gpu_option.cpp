@@ -48,8 +48,15 @@ GpuChoice choose_gpu(const std::string& gpu, const std::vector<std::string>& set
 }
 
 SplitSettings split_settings(const std::vector<std::string>& set) {
-  static constexpr std::array<std::string_view, 8> kMachine = {
-      "sm.", "l1.", "l2.", "dram.", "rt.", "core_mhz=", "shader_memory=", "watchdog_cycles="};
+  static constexpr std::array<std::string_view, 9> kMachine = {"sm.",
+                                                               "l1.",
+                                                               "l2.",
+                                                               "dram.",
+                                                               "rt.",
+                                                               "core_mhz=",
+                                                               "model=",
+                                                               "shader_memory=",
+                                                               "watchdog_cycles="};
   SplitSettings split;
   for (const std::string& s : set) {
     const bool machine = std::any_of(kMachine.begin(), kMachine.end(),

@@ -44,15 +44,23 @@ class NoisySource final : public RaySource {
   }
 };
 
-TEST(Machine, an_empty_workload_takes_no_time) {
+struct Machine : InBothModels {
+  static MachineConfig table1() {
+    MachineConfig config;
+    config.model = GetParam();
+    return config;
+  }
+};
+
+TEST_P(Machine, an_empty_workload_takes_no_time) {
   ScriptedSource source;
-  EXPECT_EQ(simulate(Workload{}, source, MachineConfig{}).cycles, Cycles{0});
-  EXPECT_EQ(simulate(rays_only(0), source, MachineConfig{}).cycles, Cycles{0});
+  EXPECT_EQ(simulate(Workload{}, source, table1()).cycles, Cycles{0});
+  EXPECT_EQ(simulate(rays_only(0), source, table1()).cycles, Cycles{0});
 }
 
-TEST(Machine, one_ray_takes_the_sum_of_its_parts) {
+TEST_P(Machine, one_ray_takes_the_sum_of_its_parts) {
   ScriptedSource source;
-  MachineConfig config = one_sm();
+  MachineConfig config = one_sm(GetParam());
   config.dram.mhz = config.core_mhz;
   source.everyone = {fetch(0), count_event(EventKind::kBoxTest, 6),
                      count_event(EventKind::kTriangleTest)};
@@ -62,20 +70,20 @@ TEST(Machine, one_ray_takes_the_sum_of_its_parts) {
             l2_hit(config) + dram + Cycles{4} + Cycles{4} + overhead(config));
 }
 
-TEST(Machine, a_launch_without_rays_or_segments_still_ends) {
+TEST_P(Machine, a_launch_without_rays_or_segments_still_ends) {
   ScriptedSource source;
   Workload w = rays_only(4);
   w.rays.clear();
   w.driver_hits.clear();
   w.dispatches[0].ray_count = 0;
-  EXPECT_EQ(simulate(w, source, one_sm()).sm.warps, 1u);
+  EXPECT_EQ(simulate(w, source, one_sm(GetParam())).sm.warps, 1u);
 }
 
 // The place in the SM still holds what its last warp left behind.
-TEST(Machine, a_warp_without_rays_or_segments_ends_also_where_another_was_before) {
+TEST_P(Machine, a_warp_without_rays_or_segments_ends_also_where_another_was_before) {
   ScriptedSource source;
   source.everyone = {count_event(EventKind::kTransform)};
-  MachineConfig config = one_sm();
+  MachineConfig config = one_sm(GetParam());
   config.sm.warps = 1;
   Workload w = rays_only(96, 1, 32);
   // The second of three rows traces nothing.
@@ -88,10 +96,10 @@ TEST(Machine, a_warp_without_rays_or_segments_ends_also_where_another_was_before
   EXPECT_EQ(result.rt.rays, 64u);
 }
 
-TEST(Machine, an_rt_unit_has_places_for_sixty_four_warps) {
+TEST_P(Machine, an_rt_unit_has_places_for_sixty_four_warps) {
   ScriptedSource source;
   source.everyone = {fetch(0), count_event(EventKind::kBoxTest), fetch(4096)};
-  MachineConfig config = one_sm();
+  MachineConfig config = one_sm(GetParam());
   config.sm.warps = config.rt.warps = 64;
   const SimulationResult result = simulate(rays_only(80 * 32, 1, 32), source, config);
   EXPECT_EQ(result.rt.warps, 80u);
@@ -99,9 +107,9 @@ TEST(Machine, an_rt_unit_has_places_for_sixty_four_warps) {
   EXPECT_THROW(simulate(rays_only(32), source, config), InternalError);
 }
 
-TEST(Machine, eight_sms_trace_eight_warps_in_the_time_of_one) {
+TEST_P(Machine, eight_sms_trace_eight_warps_in_the_time_of_one) {
   ScriptedSource source;
-  MachineConfig config = one_sm();
+  MachineConfig config = one_sm(GetParam());
   config.rt.warps = 1;
   config.rt.tester(Tester::kTransform) = {1, Cycles{10}, Cycles{1}};
   source.everyone = {count_event(EventKind::kTransform)};
@@ -119,9 +127,9 @@ TEST(Machine, eight_sms_trace_eight_warps_in_the_time_of_one) {
 }
 
 // SMs run one after the other for as long as an L2 hit takes; their warps must not show it.
-TEST(Machine, the_sm_that_is_free_first_gets_the_next_warp_however_long_the_stretch) {
+TEST_P(Machine, the_sm_that_is_free_first_gets_the_next_warp_however_long_the_stretch) {
   ScriptedSource source;
-  MachineConfig config = one_sm();
+  MachineConfig config = one_sm(GetParam());
   config.sm.count = 2;
   config.sm.warps = 1;
   config.sm.independent_instructions = 1;
@@ -141,9 +149,9 @@ TEST(Machine, the_sm_that_is_free_first_gets_the_next_warp_however_long_the_stre
   }
 }
 
-TEST(Machine, how_far_the_parts_run_alone_matters_to_the_host_only) {
+TEST_P(Machine, how_far_the_parts_run_alone_matters_to_the_host_only) {
   NoisySource source;
-  MachineConfig config;
+  MachineConfig config = table1();
   SimulationOptions options;
   const Workload w = rays_only(4096, 2, 64);
   const SimulationResult far = simulate(w, source, config, options);
@@ -159,7 +167,7 @@ TEST(Machine, how_far_the_parts_run_alone_matters_to_the_host_only) {
       0.01);
 }
 
-TEST(Machine, a_ray_without_events_does_not_take_the_next_groups_rays_with_it) {
+TEST_P(Machine, a_ray_without_events_does_not_take_the_next_groups_rays_with_it) {
   ScriptedSource source;
   source.script[1] = {count_event(EventKind::kTransform)};
   // Two lanes in two shaders: each traces on its own, the first a ray that ends at once.
@@ -170,30 +178,30 @@ TEST(Machine, a_ray_without_events_does_not_take_the_next_groups_rays_with_it) {
     rays.dispatches[0].segment_count = 2;
     return rays;
   }();
-  const SimulationResult r = simulate(w, source, one_sm());
+  const SimulationResult r = simulate(w, source, one_sm(GetParam()));
   EXPECT_EQ(r.rays(), 2u);
   EXPECT_EQ(source.order, (std::vector<std::uint32_t>{0, 1}));
 }
 
-TEST(Machine, odd_numbers_of_testers_are_spread_evenly) {
+TEST_P(Machine, odd_numbers_of_testers_are_spread_evenly) {
   ScriptedSource source;
-  MachineConfig config = one_sm();
+  MachineConfig config = one_sm(GetParam());
   config.sm.count = 8;
   config.rt.tester(Tester::kBox) = {15, Cycles{6}, Cycles{1}};
   const SimulationResult r = simulate(rays_only(32), source, config);
   EXPECT_EQ(r.testers[static_cast<std::size_t>(Tester::kBox)].count, 15u);
 }
 
-TEST(Machine, fewer_testers_than_rt_units_are_refused) {
+TEST_P(Machine, fewer_testers_than_rt_units_are_refused) {
   ScriptedSource source;
-  MachineConfig config;
+  MachineConfig config = table1();
   config.rt.tester(Tester::kBox).count = 7;
   EXPECT_THROW(simulate(rays_only(32), source, config), UserError);
 }
 
-TEST(Machine, counts_agree_between_the_levels) {
+TEST_P(Machine, counts_agree_between_the_levels) {
   NoisySource source;
-  MachineConfig config;
+  MachineConfig config = table1();
   config.rt.stack_entries = 4;
   const SimulationResult r = simulate(rays_only(4096, 2, 64), source, config);
   EXPECT_EQ(r.rays(), 8192u);
@@ -205,11 +213,11 @@ TEST(Machine, counts_agree_between_the_levels) {
   EXPECT_LE(r.rt.sectors_sent, total(r.rt.sectors_wanted));
 }
 
-TEST(Machine, the_same_run_gives_the_same_everything) {
+TEST_P(Machine, the_same_run_gives_the_same_everything) {
   const Workload w = rays_only(2048, 2, 64);
   NoisySource a, b;
-  const SimulationResult first = simulate(w, a, MachineConfig{});
-  const SimulationResult second = simulate(w, b, MachineConfig{});
+  const SimulationResult first = simulate(w, a, table1());
+  const SimulationResult second = simulate(w, b, table1());
   EXPECT_EQ(first.cycles, second.cycles);
   EXPECT_EQ(first.launch_cycles, second.launch_cycles);
   EXPECT_EQ(first.l1.hits, second.l1.hits);
@@ -217,11 +225,11 @@ TEST(Machine, the_same_run_gives_the_same_everything) {
   EXPECT_EQ(first.rt_reasons, second.rt_reasons);
 }
 
-TEST(Machine, runs_side_by_side_on_two_host_threads_equal_a_run_alone) {
+TEST_P(Machine, runs_side_by_side_on_two_host_threads_equal_a_run_alone) {
   const Workload w = rays_only(2048, 2, 64);
   const auto run = [&] {
     NoisySource source;
-    return simulate(w, source, MachineConfig{});
+    return simulate(w, source, table1());
   };
   const SimulationResult alone = run();
   SimulationResult first, second;
@@ -239,9 +247,9 @@ TEST(Machine, runs_side_by_side_on_two_host_threads_equal_a_run_alone) {
   }
 }
 
-TEST(Machine, cycles_of_a_launch_id_are_the_sum_over_its_rays) {
+TEST_P(Machine, cycles_of_a_launch_id_are_the_sum_over_its_rays) {
   NoisySource source;
-  const SimulationResult r = simulate(rays_only(256, 3, 32), source, MachineConfig{});
+  const SimulationResult r = simulate(rays_only(256, 3, 32), source, table1());
   std::uint64_t sum = 0;
   for (const std::uint32_t c : r.launch_cycles) {
     sum += c;
@@ -250,9 +258,9 @@ TEST(Machine, cycles_of_a_launch_id_are_the_sum_over_its_rays) {
   EXPECT_EQ(r.ray_cycles.count(), 768u);
 }
 
-TEST(Machine, dispatches_run_one_after_the_other) {
+TEST_P(Machine, dispatches_run_one_after_the_other) {
   ScriptedSource source;
-  const MachineConfig config = one_sm();
+  const MachineConfig config = one_sm(GetParam());
   source.everyone = {count_event(EventKind::kTransform)};
   Workload w = rays_only(32);
   const Cycles one = cycles_of(w, source, config);
@@ -269,21 +277,21 @@ TEST(Machine, dispatches_run_one_after_the_other) {
   EXPECT_EQ(r.dispatches[0].rays, 32u);
 }
 
-TEST(Machine, frames_can_be_chosen) {
+TEST_P(Machine, frames_can_be_chosen) {
   ScriptedSource source;
   Workload w = rays_only(32);
   w.dispatches[0].frame = 3;
   SimulationOptions options;
   options.frames = {2};
-  EXPECT_EQ(simulate(w, source, one_sm(), options).rays(), 0u);
+  EXPECT_EQ(simulate(w, source, one_sm(GetParam()), options).rays(), 0u);
   options.frames = {3};
-  EXPECT_EQ(simulate(w, source, one_sm(), options).rays(), 32u);
+  EXPECT_EQ(simulate(w, source, one_sm(GetParam()), options).rays(), 32u);
 }
 
-TEST(Machine, a_dispatch_narrower_than_a_warp_leaves_lanes_inactive) {
+TEST_P(Machine, a_dispatch_narrower_than_a_warp_leaves_lanes_inactive) {
   ScriptedSource source;
   source.everyone = {count_event(EventKind::kTransform)};
-  const SimulationResult r = simulate(rays_only(40, 1, 20), source, one_sm());
+  const SimulationResult r = simulate(rays_only(40, 1, 20), source, one_sm(GetParam()));
   EXPECT_EQ(r.sm.warps, 2u);
   EXPECT_EQ(r.rays(), 40u);
 }
@@ -335,14 +343,35 @@ TEST(Watchdog, a_slow_machine_that_makes_progress_is_left_alone) {
   EXPECT_EQ(cycles_of(rays_only(1), source, config), Cycles{40'000} + overhead(config));
 }
 
-TEST(Machine, synthetic_workloads_run_with_their_own_segments) {
+TEST_P(Machine, synthetic_workloads_run_with_their_own_segments) {
   synthetic::Config scene;
   scene.primitives = 64;
   const Workload w = synthetic::make(scene);
   NoisySource source;
-  const SimulationResult r = simulate(w, source, MachineConfig{});
+  const SimulationResult r = simulate(w, source, table1());
   EXPECT_EQ(r.rays(), w.rays.size());
 }
+
+// Memory is the limit here: misses of 8,192 rays all over 4 MB.
+TEST(Models, agree_on_the_time_of_a_run_that_memory_bounds_and_on_its_traffic) {
+  const Workload w = rays_only(4096, 2, 64);
+  NoisySource source;
+  MachineConfig config;
+  const SimulationResult queued = simulate(w, source, config);
+  config.model = Model::kReserved;
+  const SimulationResult reserved = simulate(w, source, config);
+  EXPECT_EQ(reserved.rt.events, queued.rt.events);
+  EXPECT_EQ(reserved.rt.fetch_bytes, queued.rt.fetch_bytes);
+  const auto near = [](auto a, auto b, double error) {
+    EXPECT_NEAR(static_cast<double>(a) / static_cast<double>(b), 1, error);
+  };
+  near(reserved.cycles.value, queued.cycles.value, 0.05);
+  near(reserved.rt.sectors_sent, queued.rt.sectors_sent, 0.02);
+  near(total(reserved.l1.misses), total(queued.l1.misses), 0.01);
+  near(reserved.dram.reads, queued.dram.reads, 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, Machine, kBothModels, model_name);
 
 }  // namespace
 }  // namespace a2rt::timing::test

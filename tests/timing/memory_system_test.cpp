@@ -63,7 +63,7 @@ struct Memory : ::testing::Test {
 TEST_F(Memory, a_first_access_activates_its_row) {
   build();
   EXPECT_EQ(time(0), miss() + config.dram.rcd);
-  EXPECT_EQ(uut->dram_counts().row_misses, 1u);
+  EXPECT_EQ(uut->counts().dram.row_misses, 1u);
 }
 
 TEST_F(Memory, an_l2_hit_costs_crossbar_and_l2_latency) {
@@ -78,7 +78,7 @@ TEST_F(Memory, another_sector_of_an_open_row_needs_no_activate) {
   time(0);
   rest();
   EXPECT_EQ(time(1024), miss());
-  EXPECT_EQ(uut->dram_counts().row_hits, 1u);
+  EXPECT_EQ(uut->counts().dram.row_hits, 1u);
 }
 
 TEST_F(Memory, another_row_of_a_bank_costs_precharge_and_activate) {
@@ -87,7 +87,7 @@ TEST_F(Memory, another_row_of_a_bank_costs_precharge_and_activate) {
   rest();
   const std::uint64_t other_row = config.dram.row.value * config.dram.banks;
   EXPECT_EQ(time(other_row), miss() + config.dram.rp + config.dram.rcd);
-  EXPECT_EQ(uut->dram_counts().row_conflicts, 1u);
+  EXPECT_EQ(uut->counts().dram.row_conflicts, 1u);
 }
 
 TEST_F(Memory, another_bank_costs_an_activate_only) {
@@ -95,7 +95,7 @@ TEST_F(Memory, another_bank_costs_an_activate_only) {
   time(0);
   rest();
   EXPECT_EQ(time(config.dram.row.value), miss() + config.dram.rcd);
-  EXPECT_EQ(uut->dram_counts().row_misses, 2u);
+  EXPECT_EQ(uut->counts().dram.row_misses, 2u);
 }
 
 TEST_F(Memory, a_second_clock_domain_is_converted_exactly) {
@@ -230,8 +230,8 @@ TEST_F(Memory, two_reads_of_a_sector_in_l2_flight_cost_one_dram_read) {
   read(0);
   drain(calendar);
   EXPECT_EQ(sink->arrived.size(), 2u);
-  EXPECT_EQ(uut->dram_counts().reads, 1u);
-  EXPECT_EQ(uut->l2_counts().merges[static_cast<std::size_t>(Traffic::kNode)], 1u);
+  EXPECT_EQ(uut->counts().dram.reads, 1u);
+  EXPECT_EQ(uut->counts().l2.merges[static_cast<std::size_t>(Traffic::kNode)], 1u);
   uut->check_drained();
 }
 
@@ -262,7 +262,7 @@ TEST_F(Memory, a_read_that_joins_a_miss_at_its_end_still_takes_the_way_of_a_hit)
   ASSERT_EQ(sink->arrived.size(), 3u);
   EXPECT_EQ(sink->arrived[1].first, start + miss());
   EXPECT_EQ(sink->arrived[2].first, start + late + hit());
-  EXPECT_EQ(uut->dram_counts().reads, 2u);
+  EXPECT_EQ(uut->counts().dram.reads, 2u);
 }
 
 TEST_F(Memory, full_l2_mshrs_delay_but_lose_nothing) {
@@ -274,7 +274,7 @@ TEST_F(Memory, full_l2_mshrs_delay_but_lose_nothing) {
   }
   drain(calendar);
   EXPECT_EQ(sink->arrived.size(), 16u);
-  EXPECT_GT(uut->l2_counts().mshr_full, 0u);
+  EXPECT_GT(uut->counts().l2.mshr_full, 0u);
   uut->check_drained();
 }
 
@@ -284,9 +284,9 @@ TEST_F(Memory, an_evicted_dirty_sector_is_written_to_dram) {
   build();
   read(0, true);
   drain(calendar);
-  EXPECT_EQ(uut->dram_counts().writes, 0u);
+  EXPECT_EQ(uut->counts().dram.writes, 0u);
   time(kLineBytes);
-  EXPECT_EQ(uut->dram_counts().writes, 1u);
+  EXPECT_EQ(uut->counts().dram.writes, 1u);
   uut->check_drained();
 }
 

@@ -1,6 +1,8 @@
 // Neighbours for the component under test.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <functional>
 #include <map>
 #include <string>
@@ -147,8 +149,9 @@ inline Workload shaders_only(std::uint32_t width, std::vector<Shader> shaders,
 }
 
 // One SM, one RT unit, plenty of testers; a test narrows what it is about.
-inline MachineConfig one_sm() {
+inline MachineConfig one_sm(Model model = Model::kQueued) {
   MachineConfig c;
+  c.model = model;
   c.sm.count = 1;
   for (TesterConfig& t : c.rt.testers) {
     t = {256, Cycles{4}, Cycles{1}};
@@ -166,6 +169,13 @@ inline Cycles cycles_of(const Workload& w, RaySource& source, const MachineConfi
 // Latency of a read that misses L1 and hits L2, both ports free.
 inline Cycles l2_hit(const MachineConfig& c) {
   return c.l1.latency + c.l2.crossbar_latency * 2 + c.l2.latency;
+}
+
+// Closed forms hold in both models.
+class InBothModels : public ::testing::TestWithParam<Model> {};
+inline const auto kBothModels = ::testing::Values(Model::kQueued, Model::kReserved);
+inline std::string model_name(const ::testing::TestParamInfo<Model>& info) {
+  return info.param == Model::kQueued ? "queued" : "reserved";
 }
 
 }  // namespace a2rt::timing::test

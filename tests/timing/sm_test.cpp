@@ -17,8 +17,8 @@ std::array<std::uint32_t, 8> alu(std::uint32_t n) { return {n}; }
 std::array<std::uint32_t, 8> sfu(std::uint32_t n) { return {0, n}; }
 std::array<std::uint32_t, 8> loads(std::uint32_t words) { return {0, 0, 0, words}; }
 
-struct SmTest : ::testing::Test {
-  MachineConfig config = one_sm();
+struct SmTest : InBothModels {
+  MachineConfig config = one_sm(GetParam());
   ScriptedSource source;
   SmTest() {
     config.sm.schedulers = 1;
@@ -36,47 +36,47 @@ struct SmTest : ::testing::Test {
   Cycles time(const Workload& w) { return run(w).cycles - Cycles{1}; }
 };
 
-TEST_F(SmTest, dependent_instructions_cost_one_latency_each) {
+TEST_P(SmTest, dependent_instructions_cost_one_latency_each) {
   EXPECT_EQ(time(same(1, alu(10))), config.sm.alu_latency * 10);
 }
 
-TEST_F(SmTest, independent_instructions_are_issued_back_to_back) {
+TEST_P(SmTest, independent_instructions_are_issued_back_to_back) {
   config.sm.independent_instructions = 5;
   // Two bursts of five: four more issues, then the latency of the last.
   EXPECT_EQ(time(same(1, alu(10))), (Cycles{4} + config.sm.alu_latency) * 2);
 }
 
-TEST_F(SmTest, a_full_warp_costs_what_one_lane_costs) {
+TEST_P(SmTest, a_full_warp_costs_what_one_lane_costs) {
   EXPECT_EQ(time(same(32, alu(10))), time(same(1, alu(10))));
 }
 
-TEST_F(SmTest, warps_hide_each_others_latency) {
+TEST_P(SmTest, warps_hide_each_others_latency) {
   // Four warps of ten dependent instructions keep one scheduler busy every cycle.
   EXPECT_EQ(time(same(128, alu(10))), Cycles{39} + config.sm.alu_latency);
 }
 
-TEST_F(SmTest, schedulers_issue_in_parallel) {
+TEST_P(SmTest, schedulers_issue_in_parallel) {
   config.sm.schedulers = 4;
   EXPECT_EQ(time(same(128, alu(10))), config.sm.alu_latency * 10);
 }
 
-TEST_F(SmTest, sfu_instructions_are_an_interval_apart) {
+TEST_P(SmTest, sfu_instructions_are_an_interval_apart) {
   EXPECT_EQ(time(same(1, sfu(4))), config.sm.sfu_interval * 3 + config.sm.sfu_latency);
 }
 
-TEST_F(SmTest, a_warp_costs_the_maximum_over_its_lanes) {
+TEST_P(SmTest, a_warp_costs_the_maximum_over_its_lanes) {
   Workload w = same(2, alu(10));
   w.segments[1].counts[0] = 30;
   EXPECT_EQ(time(w), config.sm.alu_latency * 30);
 }
 
-TEST_F(SmTest, lanes_in_different_shaders_serialise) {
+TEST_P(SmTest, lanes_in_different_shaders_serialise) {
   const std::vector<Segment> segments = {segment(0, 0, alu(10)), segment(1, 1, alu(7))};
   const Workload w = shaders_only(2, {shader(Stage::kClosestHit), shader(Stage::kMiss)}, segments);
   EXPECT_EQ(time(w), config.sm.alu_latency * 17);
 }
 
-TEST_F(SmTest, lanes_reconverge_in_their_caller) {
+TEST_P(SmTest, lanes_reconverge_in_their_caller) {
   Workload w = rays_only(2);
   w.shaders = {shader(Stage::kRayGeneration), shader(Stage::kClosestHit), shader(Stage::kMiss)};
   w.segments = {segment(0, 0, {}, 0), segment(0, 1, alu(10)), segment(0, 0, alu(5)),
@@ -85,7 +85,7 @@ TEST_F(SmTest, lanes_reconverge_in_their_caller) {
   EXPECT_EQ(run(w).cycles, overhead(config) + config.sm.alu_latency * (10 + 7 + 5));
 }
 
-TEST_F(SmTest, the_greedy_warp_goes_on_before_an_older_one) {
+TEST_P(SmTest, the_greedy_warp_goes_on_before_an_older_one) {
   config.sm.alu_latency = Cycles{1};
   config.sm.warps = 2;
   // Alone among ready warps nothing stalls: warp 0 runs to its trace before warp 1 starts.
@@ -103,7 +103,7 @@ TEST_F(SmTest, the_greedy_warp_goes_on_before_an_older_one) {
   EXPECT_EQ(run(w).cycles, Cycles{12 - 1} + overhead(config));
 }
 
-TEST_F(SmTest, the_oldest_ready_warp_follows_a_stalled_one) {
+TEST_P(SmTest, the_oldest_ready_warp_follows_a_stalled_one) {
   config.sm.warps = 3;
   config.sm.alu_latency = Cycles{2};
   Workload w = rays_only(96);
@@ -120,7 +120,7 @@ TEST_F(SmTest, the_oldest_ready_warp_follows_a_stalled_one) {
   EXPECT_EQ(source.order[64], 64u);
 }
 
-TEST_F(SmTest, a_load_that_hits_l1_costs_the_l1_latency) {
+TEST_P(SmTest, a_load_that_hits_l1_costs_the_l1_latency) {
   config.sm.words_per_load = 1;
   Workload w = same(1, loads(1));
   const Cycles once = time(w);
@@ -130,14 +130,14 @@ TEST_F(SmTest, a_load_that_hits_l1_costs_the_l1_latency) {
   EXPECT_EQ(time(w) - once, config.l1.latency);
 }
 
-TEST_F(SmTest, ideal_shader_memory_causes_no_traffic) {
+TEST_P(SmTest, ideal_shader_memory_causes_no_traffic) {
   config.shader_memory = ShaderMemory::kIdeal;
   const SimulationResult r = run(same(32, loads(16)));
   EXPECT_EQ(r.sm.lsu_sectors, 0u);
   EXPECT_GT(r.sm.loads, 0u);
 }
 
-TEST_F(SmTest, hit_shaders_that_hit_the_same_primitive_share_its_sectors) {
+TEST_P(SmTest, hit_shaders_that_hit_the_same_primitive_share_its_sectors) {
   Workload w = rays_only(32);
   w.shaders = {shader(Stage::kRayGeneration), shader(Stage::kClosestHit)};
   w.blas.resize(1);
@@ -160,14 +160,14 @@ TEST_F(SmTest, hit_shaders_that_hit_the_same_primitive_share_its_sectors) {
   EXPECT_EQ(apart, 32 * shared);
 }
 
-TEST_F(SmTest, a_load_store_queue_without_room_stalls_the_warp_and_says_so) {
+TEST_P(SmTest, a_load_store_queue_without_room_stalls_the_warp_and_says_so) {
   config.sm.lsu_queue = 4;
   config.sm.lsu_sectors_per_cycle = 1;
   const SimulationResult r = run(same(128, loads(64)));
   EXPECT_GT(r.scheduler_reasons[static_cast<std::size_t>(SchedulerReason::kWaitLsu)], 0u);
 }
 
-TEST_F(SmTest, every_scheduler_cycle_has_one_reason) {
+TEST_P(SmTest, every_scheduler_cycle_has_one_reason) {
   const SimulationResult r = run(same(96, {10, 3, 4, 8, 4, 2, 6, 5}));
   std::uint64_t sum = 0;
   for (const std::uint64_t c : r.scheduler_reasons) {
@@ -176,13 +176,13 @@ TEST_F(SmTest, every_scheduler_cycle_has_one_reason) {
   EXPECT_EQ(sum, r.cycles.value * config.sm.schedulers);
 }
 
-TEST_F(SmTest, more_warps_than_slots_wait_for_a_slot) {
+TEST_P(SmTest, more_warps_than_slots_wait_for_a_slot) {
   config.sm.warps = 1;
   const Cycles one = run(same(32, alu(10))).cycles;
   EXPECT_EQ(run(same(96, alu(10))).cycles, one * 3);
 }
 
-TEST_F(SmTest, segments_out_of_order_are_refused) {
+TEST_P(SmTest, segments_out_of_order_are_refused) {
   Workload w = same(2, alu(1));
   std::swap(w.segments[0], w.segments[1]);
   EXPECT_THROW(run(w), UserError);
@@ -303,7 +303,7 @@ struct SmBursts : SmTest {
   }
 };
 
-TEST_F(SmBursts, of_a_warp_alone_end_as_if_issued_one_by_one_whatever_their_number) {
+TEST_P(SmBursts, of_a_warp_alone_end_as_if_issued_one_by_one_whatever_their_number) {
   for (std::uint32_t burst = 1; burst <= 6; ++burst) {
     config.sm.independent_instructions = burst;
     for (std::uint32_t n = 0; n <= 2 * burst + 1; ++n) {
@@ -314,7 +314,7 @@ TEST_F(SmBursts, of_a_warp_alone_end_as_if_issued_one_by_one_whatever_their_numb
   }
 }
 
-TEST_F(SmBursts, of_a_warp_give_way_to_one_that_becomes_ready_amid_them) {
+TEST_P(SmBursts, of_a_warp_give_way_to_one_that_becomes_ready_amid_them) {
   config.sm.warps = 2;
   for (std::uint32_t burst = 1; burst <= 4; ++burst) {
     config.sm.independent_instructions = burst;
@@ -326,7 +326,7 @@ TEST_F(SmBursts, of_a_warp_give_way_to_one_that_becomes_ready_amid_them) {
   }
 }
 
-TEST_F(SmBursts, of_any_warps_together_end_as_if_issued_one_by_one) {
+TEST_P(SmBursts, of_any_warps_together_end_as_if_issued_one_by_one) {
   std::mt19937 engine(5);
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(engine() % n); };
   for (std::uint32_t i = 0; i < 300; ++i) {
@@ -341,6 +341,9 @@ TEST_F(SmBursts, of_any_warps_together_end_as_if_issued_one_by_one) {
     expect_plain(warps);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Models, SmTest, kBothModels, model_name);
+INSTANTIATE_TEST_SUITE_P(Models, SmBursts, kBothModels, model_name);
 
 }  // namespace
 }  // namespace a2rt::timing::test

@@ -39,33 +39,31 @@ void BusyCycles::mark_any(std::uint64_t from, std::uint64_t to) {
   }
 }
 
-std::uint64_t BusyCycles::take_any(Cycles to) {
-  std::uint64_t marked = 0;
-  std::uint64_t at = taken_.value;
+std::uint64_t BusyCycles::marked_in(std::uint64_t number) const {
   // Beyond the window nothing is marked but long intervals.
-  const std::uint64_t stop = std::min(to.value, at + kWindow);
-  std::uint64_t in_long = 0;
-  const std::uint64_t from = std::max(taken_, long_from_).value;
-  const std::uint64_t until = std::min(to, long_until_).value;
-  in_long = until > from ? until - from : 0;
-  while (at < stop) {
-    const std::uint64_t bit = at % 64, n = std::min(64 - bit, stop - at);
-    const std::uint64_t mask = (n == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << n) - 1) << bit;
-    std::uint64_t& word = words_[at / 64 % words_.size()];
-    std::uint64_t counted = word & mask;
-    word &= ~mask;
-    if (in_long > 0) [[unlikely]] {
-      for (std::uint64_t rest = counted; rest != 0; rest &= rest - 1) {
-        const std::uint64_t cycle = at - bit + static_cast<std::uint64_t>(std::countr_zero(rest));
-        marked += cycle < from || cycle >= until;
-      }
-    } else {
-      marked += static_cast<std::uint64_t>(std::popcount(counted));
-    }
-    at += n;
+  const bool in_window = number * 64 < taken_.value + kWindow;
+  std::uint64_t marked = in_window ? words_[number % words_.size()] : 0;
+  const std::uint64_t from = std::max(long_from_.value, number * 64);
+  const std::uint64_t until = std::min(long_until_.value, number * 64 + 64);
+  if (until > from) [[unlikely]] {
+    marked |= ~std::uint64_t{0} >> (64 - (until - from)) << from % 64;
   }
-  taken_ = std::max(taken_, to);
-  return marked + in_long;
+  return marked;
+}
+
+std::uint64_t BusyCycles::take_any(Cycles to, const BusyCycles* other) {
+  std::uint64_t marked = 0;
+  while (taken_ < to) {
+    const std::uint64_t number = taken_.value / 64, bit = taken_.value % 64;
+    const std::uint64_t n = std::min(64 - bit, to.value - taken_.value);
+    const std::uint64_t mask = ~std::uint64_t{0} >> (64 - n) << bit;
+    const std::uint64_t found =
+        marked_in(number) & ~(other == nullptr ? 0 : other->marked_in(number)) & mask;
+    marked += static_cast<std::uint64_t>(std::popcount(found));
+    words_[number % words_.size()] &= ~mask;
+    taken_ += Cycles{n};
+  }
+  return marked;
 }
 
 void BinnedSeries::add_across(Cycles from, Cycles to, std::uint64_t value) {

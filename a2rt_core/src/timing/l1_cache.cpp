@@ -7,6 +7,8 @@
 namespace a2rt::timing {
 namespace {
 
+constexpr std::size_t kLinesFromBelow = 256;
+
 // The lowest `n` sectors of the mask.
 SectorMask lowest(SectorMask mask, std::uint32_t n) {
   if (n >= kSectorsPerLine) [[likely]] {
@@ -36,8 +38,11 @@ L1Cache::L1Cache(const L1Config& config, LowerLevel& lower, std::uint32_t sm)
     : config_(config),
       lower_(lower),
       sm_(sm),
+      reserves_(lower.answers_at_once()),
       tags_(config.capacity, config.ways, "l1"),
-      banks_(config.banks) {
+      banks_(config.banks),
+      coming_(kLinesFromBelow),
+      in_flight_(reserves_ ? config.mshrs : 1) {
   buckets_.fill(kNil);
 }
 
@@ -177,16 +182,47 @@ void L1Cache::miss(Cycles now, Port& port, Address line, SectorMask missing, Tra
   }
 }
 
-void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind) {
+Cycles L1Cache::miss_ahead(Cycles looked_up, Address line, SectorMask missing, Traffic kind) {
+  const std::uint32_t n = sectors_in(missing);
+  if (n > config_.mshrs) [[unlikely]] {
+    Cycles last;
+    for_each_bit(missing, [&](std::uint32_t s) {
+      last = std::max(last, miss_ahead(looked_up, line, static_cast<SectorMask>(1u << s), kind));
+    });
+    return last;
+  }
+  const auto k = static_cast<std::size_t>(kind);
+  counts_.misses[k] += n;
+  counts_.fills += n;
+  const Cycles leaves = in_flight_.begin(looked_up - Cycles{n - 1}, n);
+  counts_.mshr_full += leaves > looked_up;
+  const Cycles there = lower_.read(leaves, sm_, line, missing, kind) + Cycles{n - 1};
+  in_flight_.add(n, there);
+  coming_.obtain(line_of(line)).add(looked_up, missing, there);
+  count_victim(looked_up, tags_.fill(there, line, missing, kind));
+  return std::max(looked_up, there);
+}
+
+// When the first of the sectors leaves for the levels below.
+Cycles L1Cache::enter_for_write(Cycles now, Port& port, Address line, SectorMask sectors) {
+  if (reserves_) {
+    const Port::Sent sent = port.send(now, sectors_in(sectors));
+    return std::max(sent.first, sent.last - Cycles{sectors_in(sectors) - 1}) + config_.latency;
+  }
   SectorTimes sent{};
   banks_.advance(now);
   enter(now, port, line, sectors, sent);
+  return departure(sectors, sent);
+}
+
+void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind) {
+  const Cycles leaves = enter_for_write(now, port, line, sectors);
   counts_.writes[static_cast<std::size_t>(kind)] += sectors_in(sectors);
   if (kind == Traffic::kStack) {
     count_victim(now, tags_.insert(now, line, sectors, kind, true));
   } else {
     // Valid copies take the new data on the way down, so their state does not change.
-    lower_.request(departure(sectors, sent), sm_, line, sectors, kind, true);
+    lower_.request(leaves, sm_, line, sectors, kind, true);
   }
 }
 

@@ -142,6 +142,15 @@ void read_rt(RtConfig& c, const Reader& r, std::uint64_t core_mhz) {
   read_testers(c, r.section().table("testers"));
 }
 
+Model read_model(const config::Section& section) {
+  return section.choice("model", "queued", {"queued", "reserved"},
+                        "what is simulated between the RT units and DRAM: queues and their "
+                        "arbitration, or ways reserved ahead, which is faster and less exact") ==
+                 "queued"
+             ? Model::kQueued
+             : Model::kReserved;
+}
+
 ShaderMemory read_shader_memory(const config::Section& section) {
   const std::string name =
       section.choice("shader_memory", "primitive", {"primitive", "streaming", "ideal"},
@@ -184,6 +193,7 @@ MachineConfig MachineConfig::from_section(const config::Section& section) {
   top(c.core_mhz, "core_mhz", 1, "MHz", "core clock; SMs, L1, crossbar");
   top(c.watchdog_cycles, "watchdog_cycles", 1000, "core cycles",
       "without progress until the run is stopped with a dump");
+  c.model = read_model(section);
   c.l2.mhz = c.rt.mhz = c.core_mhz;
   c.shader_memory = read_shader_memory(section);
   read_sm(c.sm, Reader(section.table("sm")));

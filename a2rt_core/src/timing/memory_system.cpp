@@ -68,11 +68,11 @@ void MemorySystem::request(Cycles leaves, std::uint32_t sm, Address line, Sector
   const std::uint32_t n = sectors_in(sectors);
   SmPort& port = sms_[sm];
   const Cycles sent = port.out.take(port.calendar->now(), leaves, n);
-  crossbar_sectors_ += write ? n : 0;
+  counts_.crossbar_sectors += write ? n : 0;
   calendar_.at(sent + config_.l2.crossbar_latency, *this, kAtSlice, index);
 }
 
-void MemorySystem::prefetch_slices() {
+void MemorySystem::sms_done() {
   for (const Coming& c : coming_) {
     slices_[c.slice].tags.prefetch(c.local);
   }
@@ -102,11 +102,11 @@ void MemorySystem::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
       look_again(now, value);
       break;
     case kAtDram:
-      ++dram_reads_[kind];
+      ++counts_.dram_reads[kind];
       enqueue(now, value);
       break;
     case kWriteAtDram:
-      ++dram_writes_[kind];
+      ++counts_.dram_writes[kind];
       enqueue(now, value);
       release(value);
       break;
@@ -132,7 +132,7 @@ inline void MemorySystem::enter_sm(Cycles now, std::uint32_t index) {
   release(index);
   const SmPort& port = sms_[r.sm];
   port.calendar->progress();
-  crossbar_sectors_ += sectors_in(r.sectors);
+  counts_.crossbar_sectors += sectors_in(r.sectors);
   port.sink->fill(now, r.line, r.sectors);
 }
 
@@ -157,14 +157,14 @@ inline void MemorySystem::at_slice(Cycles now, std::uint32_t index) {
   const Cycles start = look_up(now, slice, n);
   const auto kind = static_cast<std::size_t>(r.kind);
   if (r.write) {
-    l2_counts_.writes[kind] += n;
+    counts_.l2.writes[kind] += n;
     insert(now, r.slice, r.local, r.sectors, r.kind, true);
     release(index);
     return;
   }
-  l2_counts_.reads[kind] += n;
+  counts_.l2.reads[kind] += n;
   const SectorMask hits = slice.tags.touch(Address{r.local}, r.sectors);
-  l2_counts_.hits[kind] += sectors_in(hits);
+  counts_.l2.hits[kind] += sectors_in(hits);
   if (hits == r.sectors && l2_clock_.same()) [[likely]] {
     respond(start + config_.l2.latency, index);  // one a cycle, as they were looked up
   } else {
@@ -212,7 +212,7 @@ void MemorySystem::miss(Cycles looked_up, std::uint32_t index, bool waited) {
   std::uint32_t& head = mshrs(r);
   for (std::uint32_t i = head; i != kNil; i = requests_[i].next) {
     if (requests_[i].line == r.line && requests_[i].sectors == r.sectors) {
-      ++l2_counts_.merges[kind];
+      ++counts_.l2.merges[kind];
       std::uint32_t tail = i;
       while (misses_[tail].merged != kNil) {
         tail = misses_[tail].merged;
@@ -222,11 +222,11 @@ void MemorySystem::miss(Cycles looked_up, std::uint32_t index, bool waited) {
     }
   }
   if (slice.mshrs_used == config_.l2.mshrs || (!waited && slice.blocked.size > 0)) {
-    l2_counts_.mshr_full += waited ? 0 : 1;
+    counts_.l2.mshr_full += waited ? 0 : 1;
     block(slice, index, waited);
     return;
   }
-  ++l2_counts_.misses[kind];
+  ++counts_.l2.misses[kind];
   ++slice.mshrs_used;
   r.next = head;
   head = index;
@@ -239,7 +239,7 @@ void MemorySystem::look_again(Cycles now, std::uint32_t index) {
   Slice& slice = slices_[r.slice];
   const Cycles ready = core_time(look_up(now, slice, 1), 0);
   if (slice.tags.touch(Address{r.local}, r.sectors) != 0) {
-    ++l2_counts_.hits[static_cast<std::size_t>(r.kind)];
+    ++counts_.l2.hits[static_cast<std::size_t>(r.kind)];
     respond(ready, index);
   } else {
     miss(ready, index, true);
@@ -263,8 +263,8 @@ void MemorySystem::insert(Cycles now, std::uint32_t slice, std::uint64_t local, 
   if (!victim) {
     return;
   }
-  ++l2_counts_.evictions;
-  l2_counts_.written_back += sectors_in(victim->dirty);
+  ++counts_.l2.evictions;
+  counts_.l2.written_back += sectors_in(victim->dirty);
   for_each_bit(victim->dirty, [&](std::uint32_t s) {
     const std::uint32_t index = allocate();
     Request& r = requests_[index];
@@ -320,7 +320,7 @@ void MemorySystem::fill(Cycles now, std::uint32_t index) {
   }
   *link = r.next;
   --slice.mshrs_used;
-  ++l2_counts_.fills;
+  ++counts_.l2.fills;
   if ((slice.tags.valid(Address{r.local}) & r.sectors) == 0) {
     insert(now, r.slice, r.local, r.sectors, r.kind, false);
   }
@@ -349,6 +349,12 @@ void MemorySystem::wake_blocked(Cycles now, Slice& slice) {
   slice.blocked.first = requests_[waiting].next;
   --slice.blocked.size;
   calendar_.at(now, *this, kLookAgain, waiting);
+}
+
+MemoryCounts MemorySystem::counts() const {
+  MemoryCounts all = counts_;
+  all.dram = dram_counts();
+  return all;
 }
 
 DramCounts MemorySystem::dram_counts() const {
@@ -384,12 +390,12 @@ void MemorySystem::check_drained() const {
   A2RT_CHECK(live_ == 0, "requests were lost below the L1s: " + dump());
   std::uint64_t misses = 0, reads = 0, answered = 0;
   for (std::size_t k = 0; k < kTrafficKinds; ++k) {
-    misses += l2_counts_.misses[k];
-    reads += l2_counts_.reads[k];
-    answered += l2_counts_.hits[k] + l2_counts_.merges[k] + l2_counts_.misses[k];
+    misses += counts_.l2.misses[k];
+    reads += counts_.l2.reads[k];
+    answered += counts_.l2.hits[k] + counts_.l2.merges[k] + counts_.l2.misses[k];
   }
   A2RT_CHECK(reads == answered, "L2 reads differ from hits + merges + misses");
-  A2RT_CHECK(misses == l2_counts_.fills && misses == dram_counts().reads,
+  A2RT_CHECK(misses == counts_.l2.fills && misses == dram_counts().reads,
              "L2 misses differ from fills or from DRAM reads");
   for (const auto& channel : channels_) {
     channel->check_drained();

@@ -14,6 +14,9 @@ std::uint32_t share(std::uint32_t total, std::uint32_t index, std::uint32_t unit
 }
 
 constexpr std::ptrdiff_t kOpsPerHostLine = 64 / sizeof(LaneOp);
+constexpr Cycles kTestsAhead{128}, kTestsFarAhead{1024};
+// Two for each of 128 rays, the usual warp buffer.
+constexpr std::size_t kSharedLines = 256;
 
 }  // namespace
 
@@ -27,8 +30,11 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
       host_(host),
       slots_(config.rt.warps),
       port_(config.rt.port_sectors, ClockDomain(config.rt.mhz, config.core_mhz)),
+      reserves_(config.model == Model::kReserved),
+      on_its_way_(kSharedLines),
       compiler_(config.rt) {
-  A2RT_CHECK(slots_.size() <= 64, "an RT unit has more places for warps than asking_ has bits");
+  A2RT_CHECK(slots_.size() <= 1u << kSlotBits,
+             "an RT unit has more places for warps than asking_ has bits");
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     slots_[i].index = static_cast<std::uint32_t>(i);
   }
@@ -138,6 +144,10 @@ A2RT_INLINE void RtEngine::kick_port(Cycles now) {
 }
 
 A2RT_INLINE void RtEngine::appoint(Cycles now, Cycles at, Slot& slot, std::uint32_t l) {
+  if (reserves_) {
+    calendar_.at(at, *this, kLaneAhead, slot.index * kLanes + l);
+    return;
+  }
   if (at.value - now.value >= kNear) [[unlikely]] {
     calendar_.at(at, *this, kLane, slot.index * kLanes + l);
     return;
@@ -155,26 +165,26 @@ void RtEngine::fail_without(Tester tester) const {
                   std::string(tester_name(tester)) + ".count above 0");
 }
 
-A2RT_INLINE Cycles RtEngine::issue(Cycles at, Tester tester, std::uint32_t count) {
+A2RT_INLINE Cycles RtEngine::issue(Cycles now, Cycles at, Tester tester, std::uint32_t count) {
   TesterPool& pool = pools_[static_cast<std::size_t>(tester)];
   if (!pool.exists()) [[unlikely]] {
     fail_without(tester);
   }
-  return pool.issue(at, count);
+  return pool.issue(now, at, count);
 }
 
 // Reserves the testers of the tests that follow. Returns when the lane is through with them.
 A2RT_INLINE Cycles RtEngine::run_tests(Cycles now, Cycles at, Lane& lane) {
   const Cycles start = at;
-  // Reservations may be out of order by so much only; the rest is worked out when time has come.
-  const Cycles horizon = now + Cycles{TesterPool::kDisorder};
+  // Who comes first in time should be first served, so what is far ahead is worked out later.
+  const Cycles horizon = now + (reserves_ ? kTestsFarAhead : kTestsAhead);
   const LaneOp* next = lane.op;
   for (; next->is_test() && at < horizon; ++next) {
     if (next->code() == LaneOp::Code::kTest) [[likely]] {
-      at = issue(at, next->tester(), next->count());
+      at = issue(now, at, next->tester(), next->count());
     } else {
-      at = std::max(issue(at, Tester::kBox, next->count()),
-                    issue(at, Tester::kQBox, next->second()));
+      at = std::max(issue(now, at, Tester::kBox, next->count()),
+                    issue(now, at, Tester::kQBox, next->second()));
     }
   }
   lane.op = next;
@@ -196,9 +206,13 @@ void RtEngine::run_lane(Cycles now, Cycles at, Slot& slot, std::uint32_t l) {
     const LaneOp op = *lane.op++;
     switch (op.code()) {
       case LaneOp::Code::kRead:
-        read(now, slot, l, op);
+        reserves_ ? read_ahead(now, slot, l, op) : read(now, slot, l, op);
         return;
       case LaneOp::Code::kStore:
+        if (reserves_) {
+          store_ahead(now, op);
+          break;
+        }
         stores_.push_back({op.line(), op.sectors(), op.kind()});
         kick_port(now);
         break;
@@ -347,6 +361,9 @@ void RtEngine::wake(Cycles now, std::uint32_t what, std::uint32_t value) {
       }
       return;
     }
+    case kLaneAhead:
+      go_on_ahead(now, slots_[value / kLanes], value % kLanes);
+      return;
     case kPort:
       run_port(now);
       return;
@@ -388,7 +405,13 @@ RtReason RtEngine::reason() const {
 
 void RtEngine::account_cycles(Cycles now) {
   if (now > attribution_.booked()) {
-    const std::uint64_t tests = testing_.take(now);
+    std::uint64_t tests = 0;
+    if (reserves_) {
+      tests = testing_.take_without(now, sending_);
+      attribution_.until(attribution_.booked() + Cycles{sending_.take(now)}, RtReason::kFetch);
+    } else {
+      tests = testing_.take(now);
+    }
     attribution_.until(now, port_blocked_ ? 0 : tests, RtReason::kTest, reason());
   }
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <ctime>
 
-#include "a2rt/timing/memory_system.h"
+#include "a2rt/timing/memory.h"
 
 namespace a2rt::timing {
 namespace {
@@ -13,15 +13,15 @@ class Machine final : public SmHost {
   Machine(const Workload& workload, RaySource& source, const MachineConfig& config, Cycles stretch)
       : workload_(workload),
         config_(config),
-        stretch_(stretch > Cycles{0} ? std::min(stretch, MemorySystem::stretch(config))
-                                     : MemorySystem::stretch(config)),
+        stretch_(stretch > Cycles{0} ? std::min(stretch, Memory::stretch(config))
+                                     : Memory::stretch(config)),
         addresses_(workload, config),
-        memory_(config, slice_calendar_, dram_calendar_) {
+        memory_(make_memory(config, slice_calendar_, dram_calendar_)) {
     for (std::uint32_t i = 0; i < config.sm.count; ++i) {
       calendars_.push_back(std::make_unique<Calendar>());
       sms_.push_back(
-          std::make_unique<Sm>(config, i, *calendars_.back(), memory_, source, addresses_, *this));
-      memory_.connect(i, sms_.back()->l1(), *calendars_.back());
+          std::make_unique<Sm>(config, i, *calendars_.back(), *memory_, source, addresses_, *this));
+      memory_->connect(i, sms_.back()->l1(), *calendars_.back());
     }
   }
 
@@ -48,13 +48,13 @@ class Machine final : public SmHost {
   MachineConfig config_;
   Cycles stretch_;
   // One calendar per SM and two for the memory below: what goes from one to another takes at least
-  // MemorySystem::stretch(), so each runs that far alone while its state is in the host's caches.
+  // Memory::stretch(), so each runs that far alone while its state is in the host's caches.
   std::vector<std::unique_ptr<Calendar>> calendars_;
   Calendar dram_calendar_, slice_calendar_;
   Cycles now_;  // start of the stretch that runs
   Cycles end_;  // last cycle in which anything happened
   ShaderAddresses addresses_;
-  MemorySystem memory_;
+  std::unique_ptr<Memory> memory_;
   std::vector<std::unique_ptr<Sm>> sms_;
   std::unique_ptr<DispatchProgram> program_;
   const std::vector<WarpPlace>* places_ = nullptr;
@@ -127,7 +127,7 @@ std::string Machine::dump() const {
   for (const auto& sm : sms_) {
     text += sm->dump();
   }
-  return text + memory_.dump();
+  return text + memory_->dump();
 }
 
 void Machine::check_progress() const {
@@ -152,6 +152,7 @@ void Machine::run_sm(std::size_t index, Cycles end) {
 // order in which they ask, so the one that asks first goes on first.
 void Machine::run_sms(Cycles end) {
   for (std::size_t i = 0; i < sms_.size(); ++i) {
+    sms_[i]->rt().begin_stretch(end);
     run_sm(i, end);
   }
   while (true) {
@@ -182,10 +183,11 @@ void Machine::run_dispatch() {
   }
   while (next_cycle(now_)) {
     check_progress();
+    memory_->begin_stretch(now_);
     const Cycles end = now_ + stretch_;
     run(dram_calendar_, end);
     run_sms(end);
-    memory_.prefetch_slices();
+    memory_->sms_done();
     run(slice_calendar_, end);
   }
   A2RT_CHECK(queue_next_ == queue_.size() &&
@@ -355,12 +357,13 @@ void Machine::collect() {
   for (const auto& sm : sms_) {
     collect_sm(*sm);
   }
-  memory_.check_drained();
-  result_.l2 = memory_.l2_counts();
-  result_.dram = memory_.dram_counts();
-  result_.dram_reads = memory_.dram_reads();
-  result_.dram_writes = memory_.dram_writes();
-  result_.crossbar_sectors = memory_.crossbar_sectors();
+  memory_->check_drained();
+  const MemoryCounts below = memory_->counts();
+  result_.l2 = below.l2;
+  result_.dram = below.dram;
+  result_.dram_reads = below.dram_reads;
+  result_.dram_writes = below.dram_writes;
+  result_.crossbar_sectors = below.crossbar_sectors;
   result_.milliseconds =
       static_cast<double>(result_.cycles.value) / (static_cast<double>(config_.core_mhz) * 1e3);
   result_.appointments = dram_calendar_.made() + slice_calendar_.made();

@@ -17,7 +17,8 @@ Sm::Sm(const MachineConfig& config, std::uint32_t index, Calendar& calendar, Low
       fronts_(config.sm.warps),
       warps_(config.sm.warps),
       schedulers_(config.sm.schedulers),
-      lsu_port_(config.sm.lsu_sectors_per_cycle) {
+      lsu_port_(config.sm.lsu_sectors_per_cycle),
+      reserves_(config.model == Model::kReserved) {
   A2RT_CHECK(config.sm.schedulers < 256, "an SM has fewer than 256 schedulers");
   for (std::uint32_t slot = 0; slot < config.sm.warps; ++slot) {
     const std::size_t scheduler = slot % schedulers_.size();

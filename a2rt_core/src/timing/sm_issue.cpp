@@ -109,6 +109,10 @@ std::uint32_t Sm::issue_bursts(Cycles at, Cycles end, std::uint32_t& left, Cycle
 // Puts an access into the load/store unit's queue: one entry per line.
 void Sm::queue_lines(Cycles now, std::uint32_t slot, std::uint32_t ordinal, bool write) {
   Warp& warp = warps_[slot];
+  if (reserves_) {
+    access_ahead(now, warp, ordinal, write);
+    return;
+  }
   std::uint32_t count = 0;
   addresses_.lines(
       kAccesses[warp.access], ordinal,
@@ -125,7 +129,7 @@ void Sm::queue_lines(Cycles now, std::uint32_t slot, std::uint32_t ordinal, bool
 bool Sm::issue_access(Cycles now, std::uint32_t slot, Scheduler& scheduler, bool write) {
   Warp& warp = warps_[slot];
   Front& front = fronts_[slot];
-  if (lsu_sectors_ >= config_.sm.lsu_queue) {
+  if (reserves_ ? lsu_full_ahead(now) : lsu_sectors_ >= config_.sm.lsu_queue) {
     set_state(now, slot, State::kLsu);
     return false;
   }

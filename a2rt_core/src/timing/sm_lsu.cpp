@@ -31,9 +31,45 @@ void Sm::send(Cycles now, LsuEntry& entry) {
   }
 }
 
+// Model "reserved": the lines have their turn at the port and are looked up now.
+void Sm::access_ahead(Cycles now, Warp& warp, std::uint32_t ordinal, bool write) {
+  addresses_.lines(
+      kAccesses[warp.access], ordinal,
+      warp.addresses, [&](std::uint64_t line, SectorMask sectors) __attribute__((always_inline)) {
+        counts_.lsu_sectors += sectors_in(sectors);
+        const Address address{line * kLineBytes};
+        if (write) {
+          l1_.write(now, lsu_port_, address, sectors, Traffic::kShader);
+        } else {
+          warp.data = std::max(warp.data,
+                               l1_.read_ahead(now, lsu_port_, address, sectors, Traffic::kShader));
+        }
+      });
+}
+
+// Whether as many sectors as the queue holds wait for the port; if so, those who find it full are
+// woken when there is room.
+bool Sm::lsu_full_ahead(Cycles now) {
+  const SmConfig& sm = config_.sm;
+  const std::uint64_t full_for =
+      (sm.lsu_queue + sm.lsu_sectors_per_cycle - 1) / sm.lsu_sectors_per_cycle;
+  if (lsu_port_.end() < now + Cycles{full_for}) {
+    return false;
+  }
+  if (!lsu_booked_) {
+    lsu_booked_ = true;
+    calendar_.at(lsu_port_.end() - Cycles{full_for - 1}, *this, kLsuPort);
+  }
+  return true;
+}
+
 // Sends what is queued for the next few cycles.
 void Sm::run_lsu(Cycles now) {
   lsu_booked_ = false;
+  if (reserves_) {
+    wake_lsu_waiters(now);
+    return;
+  }
   const Cycles end = now + Cycles{4};
   while (lsu_head_ < lsu_.size() && !lsu_blocked_ && lsu_port_.next(now) < end) {
     LsuEntry& entry = lsu_[lsu_head_];
@@ -52,7 +88,7 @@ void Sm::run_lsu(Cycles now) {
 }
 
 void Sm::wake_lsu_waiters(Cycles now) {
-  const Cycles again = std::max(now + Cycles{1}, lsu_port_.end());
+  const Cycles again = reserves_ ? now : std::max(now + Cycles{1}, lsu_port_.end());
   for (std::uint32_t slot = 0; slot < fronts_.size(); ++slot) {
     if (fronts_[slot].state == State::kLsu) {
       make_ready(now, slot, again);

@@ -22,7 +22,7 @@ DEFAULT_AUDIT = 20_000
 HEATMAP = "heatmap.npy"
 # Parameters of the machine; all others are the unit's. As a2rt_core/tools/gpu_option.cpp has them.
 MACHINE_KEYS = ("sm.", "l1.", "l2.", "dram.", "rt.")
-MACHINE_KEYS += ("core_mhz=", "shader_memory=", "watchdog_cycles=")
+MACHINE_KEYS += ("core_mhz=", "model=", "shader_memory=", "watchdog_cycles=")
 
 
 @dataclass(frozen=True)

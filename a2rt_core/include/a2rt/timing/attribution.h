@@ -81,10 +81,15 @@ class BusyCycles {
     return static_cast<std::uint64_t>(std::popcount(marked));
   }
 
+  // The same, without those that `other` has marked, too. To be called before other.take(to).
+  std::uint64_t take_without(Cycles to, const BusyCycles& other) { return take_any(to, &other); }
+
  private:
   static constexpr std::uint64_t kWindow = 4096 - 64;
-  // No cycles, or more than a word holds.
-  std::uint64_t take_any(Cycles to);
+  // Any number of cycles, without those of `other`, if there is one.
+  std::uint64_t take_any(Cycles to, const BusyCycles* other = nullptr);
+  // Bit i: cycle 64 `number` + i is marked.
+  std::uint64_t marked_in(std::uint64_t number) const;
   void mark_any(std::uint64_t from, std::uint64_t to);
   std::array<std::uint64_t, 64> words_{};
   Cycles taken_;

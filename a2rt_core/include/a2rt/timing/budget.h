@@ -61,6 +61,24 @@ class Port {
     used_ = 1;
     cycles_used_ += uses;
   }
+  // Sends so many uses in the first cycles with room from `now` on.
+  struct Sent {
+    Cycles first, last;
+  };
+  A2RT_INLINE Sent send(Cycles now, std::uint32_t uses) {
+    const Cycles first = next(now);
+    if (simple()) [[likely]] {
+      use_in_turn(first, uses);
+      return {first, first + Cycles{uses - 1}};
+    }
+    Cycles last = first;
+    use(first);
+    for (std::uint32_t i = 1; i < uses; ++i) {
+      last = next(now);
+      use(last);
+    }
+    return {first, last};
+  }
   // Cycles of its clock in which anything went through.
   std::uint64_t cycles_used() const { return cycles_used_; }
   // First core cycle after the last use.

@@ -67,6 +67,31 @@ class Calendar {
     now_ = when;
     pull_far();
   }
+  // Calls f(who, what, value) for the appointments made so far before `end`, but for far ones.
+  template <class F>
+  void each_before(Cycles end, const F& f) const {
+    const std::uint64_t stop = std::min(end.value, now_.value + kWheel);
+    for (std::uint64_t from = now_.value; from < stop;) {
+      const std::uint64_t word = occupied_[from % kWheel / 64] >> from % 64;
+      const auto skip = static_cast<std::uint64_t>(word == 0 ? 64 : std::countr_zero(word));
+      if (skip >= 64 - from % 64) {
+        from += 64 - from % 64;
+        continue;
+      }
+      from += skip;
+      if (from >= stop) {
+        return;
+      }
+      const std::uint32_t last = buckets_[from % kWheel];
+      std::uint32_t place = last;
+      do {
+        place = appointments_[place].next();
+        const Appointment& made = appointments_[place];
+        f(made.who, made.what(), made.value);
+      } while (place != last);
+      ++from;
+    }
+  }
   // Cycle of the next appointment, or kNever; at most a turn of the wheel ahead, where a far one is
   // looked for again.
   Cycles next() const {

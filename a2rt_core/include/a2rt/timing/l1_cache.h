@@ -8,8 +8,13 @@
 //
 // The sectors of one message enter the cache in consecutive cycles, but their tags are looked up
 // when the first does: what is filled or evicted meanwhile (a few cycles) does not show.
+//
+// In the model "reserved", reads know at once when they can be used (read_ahead()): ports, latency
+// and MSHRs are as wide, but lines are allocated when they are asked for, tags looked up then, and
+// neither banks nor the limit of requests that wait for one sector are modelled.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -19,6 +24,7 @@
 
 #include "a2rt/base/inline.h"
 #include "a2rt/timing/budget.h"
+#include "a2rt/timing/coming_lines.h"
 #include "a2rt/timing/machine_config.h"
 #include "a2rt/timing/memory_port.h"
 #include "a2rt/timing/tag_store.h"
@@ -51,6 +57,10 @@ class L1Cache final : public LineSink {
   Lookup read(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind,
               L1Client& client, std::uint32_t token);
   void write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind);
+  // Model "reserved": the sectors have their turn at the port, whenever that is, after what was
+  // read or written through it before; they are looked up now, and what misses reserves its way
+  // through the levels below. Returns the cycle in which all of them can be used.
+  Cycles read_ahead(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind);
   // The line will be read soon: brings what that touches into the host's caches.
   void prefetch(Address line) const { tags_.prefetch(line); }
 
@@ -94,6 +104,8 @@ class L1Cache final : public LineSink {
                                       SectorTimes& ready);
   A2RT_NOINLINE void miss(Cycles now, Port& port, Address line, SectorMask missing, Traffic kind,
                           L1Client& client, std::uint32_t token, Lookup& result);
+  A2RT_NOINLINE Cycles miss_ahead(Cycles looked_up, Address line, SectorMask missing, Traffic kind);
+  Cycles enter_for_write(Cycles now, Port& port, Address line, SectorMask sectors);
   std::uint32_t* find(std::uint64_t line);
   std::uint32_t obtain(std::uint64_t line, Traffic kind);
   void release(std::uint32_t& link);
@@ -106,6 +118,7 @@ class L1Cache final : public LineSink {
   L1Config config_;
   LowerLevel& lower_;
   std::uint32_t sm_;
+  bool reserves_;  // lower_ answers reads at once
   TagStore tags_;
   Banks banks_;
   std::vector<Pending> pending_;
@@ -116,6 +129,9 @@ class L1Cache final : public LineSink {
   std::uint32_t free_waiter_ = kNil;
   std::uint32_t waiters_used_ = 0;
   std::vector<L1Client*> turned_away_;
+  // Model "reserved".
+  ComingLines coming_;
+  InFlight in_flight_;
   CacheCounts counts_;
 };
 
@@ -156,6 +172,29 @@ A2RT_INLINE L1Cache::Lookup L1Cache::read(Cycles now, Port& port, Address line, 
   }
   counts_.reads[static_cast<std::size_t>(kind)] += sectors_in(result.accepted);
   return result;
+}
+
+A2RT_INLINE Cycles L1Cache::read_ahead(Cycles now, Port& port, Address line, SectorMask sectors,
+                                       Traffic kind) {
+  const std::uint32_t n = sectors_in(sectors);
+  const auto k = static_cast<std::size_t>(kind);
+  const Cycles looked_up = port.send(now, n).last + config_.latency;
+  const SectorMask present = tags_.touch(line, sectors);
+  const ComingLines::Line* coming = coming_.find(line_of(line));
+  counts_.reads[k] += n;
+  Cycles ready = looked_up;
+  SectorMask merged = 0;
+  if (coming != nullptr) {
+    merged = coming->coming(looked_up, present);
+    ready = merged != 0 ? coming->there() : ready;
+    counts_.merges[k] += sectors_in(merged);
+  }
+  counts_.hits[k] += sectors_in(static_cast<SectorMask>(present & ~merged));
+  if (present == sectors) [[likely]] {
+    return ready;
+  }
+  return std::max(ready,
+                  miss_ahead(looked_up, line, static_cast<SectorMask>(sectors & ~present), kind));
 }
 
 }  // namespace a2rt::timing

@@ -52,6 +52,12 @@ struct SmConfig {
 // How addresses are made up for shader loads, of which the capture counts words only.
 enum class ShaderMemory : std::uint8_t { kByPrimitive, kStreaming, kIdeal };
 
+// How a read finds its way through the RT unit's port, the caches and DRAM.
+enum class Model : std::uint8_t {
+  kQueued,   // step by step, through queues with arbitration
+  kReserved  // all of its way is reserved when it is asked for
+};
+
 struct L1Config {
   Bytes capacity{64 * 1024};
   std::uint32_t ways = 0;  // 0 = fully associative
@@ -108,6 +114,7 @@ struct RtConfig {
 struct MachineConfig {
   std::string name = "table1";
   std::uint64_t core_mhz = 1365;
+  Model model = Model::kQueued;
   SmConfig sm;
   ShaderMemory shader_memory = ShaderMemory::kByPrimitive;
   L1Config l1;

@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "a2rt/base/bits.h"
+#include "a2rt/base/error.h"
 #include "a2rt/base/inline.h"
 #include "a2rt/base/units.h"
 #include "a2rt/rt/event.h"
@@ -55,6 +56,13 @@ class LowerLevel {
   // leaves the cache above, never in the past; the others follow a cycle apart.
   virtual void request(Cycles leaves, std::uint32_t sm, Address line, SectorMask sectors,
                        Traffic kind, bool write) = 0;
+  // Model "reserved": reads are answered by read() at once, and request() is for writes only.
+  virtual bool answers_at_once() const { return false; }
+  // Returns the cycle in which the first sector is there; the others follow a cycle apart.
+  virtual Cycles read(Cycles /*leaves*/, std::uint32_t /*sm*/, Address /*line*/,
+                      SectorMask /*sectors*/, Traffic /*kind*/) {
+    A2RT_CHECK(false, "this level of memory answers reads later");
+  }
 };
 
 // Accesses of one cache by kind of data, in sectors of 32 B.

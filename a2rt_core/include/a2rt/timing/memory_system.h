@@ -1,4 +1,4 @@
-// Everything below the L1s: crossbar, L2 slices, DRAM channels.
+// Everything below the L1s in the model "queued": crossbar, L2 slices, DRAM channels.
 //
 // The crossbar moves one sector per cycle into and out of every SM and every slice. A slice starts
 // one sector's lookup per L2 cycle; a hit answers `latency` later, a miss reaches its DRAM channel
@@ -16,24 +16,22 @@
 #include <string>
 #include <vector>
 
-#include "a2rt/timing/calendar.h"
 #include "a2rt/timing/clock.h"
 #include "a2rt/timing/divider.h"
-#include "a2rt/timing/dram_channel.h"
-#include "a2rt/timing/memory_port.h"
+#include "a2rt/timing/memory.h"
 #include "a2rt/timing/reserved_port.h"
 #include "a2rt/timing/tag_store.h"
 
 namespace a2rt::timing {
 
-class MemorySystem final : public Component, public LowerLevel, public DramChannel::Client {
+class MemorySystem final : public Component, public Memory, public DramChannel::Client {
  public:
   // The slices run by `calendar`, the DRAM channels by `dram_calendar`; they may be the same.
   MemorySystem(const MachineConfig& config, Calendar& calendar, Calendar& dram_calendar);
   // Cycles for which DRAM, then the SMs, then the slices can each run alone.
   static Cycles stretch(const MachineConfig& config);
   // `calendar` is the SM's; it may be ahead of the slices' by stretch().
-  void connect(std::uint32_t sm, LineSink& sink, Calendar& calendar) {
+  void connect(std::uint32_t sm, LineSink& sink, Calendar& calendar) override {
     sms_.at(sm).sink = &sink;
     sms_.at(sm).calendar = &calendar;
   }
@@ -41,15 +39,12 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   void request(Cycles leaves, std::uint32_t sm, Address line, SectorMask sectors, Traffic kind,
                bool write) override;
 
-  // The slices run next: brings the tags of what they will look up and fill into the host's caches,
-  // all at once. Changes nothing.
-  void prefetch_slices();
+  void begin_stretch(Cycles) override {}
+  // Brings the tags of what the slices will look up and fill into the host's caches, all at once.
+  // Changes nothing.
+  void sms_done() override;
 
-  const CacheCounts& l2_counts() const { return l2_counts_; }
-  const TrafficCounts& dram_reads() const { return dram_reads_; }
-  const TrafficCounts& dram_writes() const { return dram_writes_; }
-  DramCounts dram_counts() const;
-  std::uint64_t crossbar_sectors() const { return crossbar_sectors_; }
+  MemoryCounts counts() const override;
   std::uint64_t slice_busy_cycles() const { return slice_busy_; }
   std::uint32_t slice_count() const { return static_cast<std::uint32_t>(slices_.size()); }
 
@@ -119,6 +114,7 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
               Traffic kind, bool dirty);
   void enqueue(Cycles now, std::uint32_t index);
   void dram_done(Cycles now, std::uint32_t tag) override;
+  DramCounts dram_counts() const;
 
   MachineConfig config_;
   Calendar& calendar_;
@@ -134,9 +130,7 @@ class MemorySystem final : public Component, public LowerLevel, public DramChann
   std::uint32_t free_ = kNil;
   std::uint64_t live_ = 0;
   std::vector<Coming> coming_;
-  CacheCounts l2_counts_;
-  TrafficCounts dram_reads_{}, dram_writes_{};
-  std::uint64_t crossbar_sectors_ = 0;
+  MemoryCounts counts_;  // but for the channels'
   std::uint64_t slice_busy_ = 0;
 };
 

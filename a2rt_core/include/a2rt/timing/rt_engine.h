@@ -19,6 +19,7 @@
 #include "a2rt/timing/attribution.h"
 #include "a2rt/timing/budget.h"
 #include "a2rt/timing/calendar.h"
+#include "a2rt/timing/coming_lines.h"
 #include "a2rt/timing/l1_cache.h"
 #include "a2rt/timing/lane_ops.h"
 #include "a2rt/timing/machine_config.h"
@@ -81,6 +82,12 @@ class RtEngine final : public Component, public L1Client {
   const BinnedSeries& active_lanes() const { return active_series_; }
   const BinnedSeries& port_use() const { return port_series_; }
 
+  // The unit runs alone until `end`. Changes nothing but the host's caches.
+  void begin_stretch(Cycles end) {
+    if (reserves_) {
+      prefetch_before(end);
+    }
+  }
   void wake(Cycles now, std::uint32_t what, std::uint32_t value) override;
   void arrived(Cycles now, std::uint32_t token, SectorMask sectors,
                const SectorTimes& ready) override;
@@ -89,7 +96,7 @@ class RtEngine final : public Component, public L1Client {
   void check_drained() const override;
 
  private:
-  enum Wake : std::uint32_t { kLane, kNearLanes, kPort };
+  enum Wake : std::uint32_t { kLane, kNearLanes, kPort, kLaneAhead };
   // kInUnit: waits for lines, is in a tester, or its next cycle is known.
   enum class LaneState : std::uint8_t { kNone, kInUnit, kCandidate, kAtShader, kDone };
   struct Lane {
@@ -101,6 +108,7 @@ class RtEngine final : public Component, public L1Client {
     bool intersection = false;
   };
   static constexpr std::uint32_t kNear = 64;
+  static constexpr std::uint32_t kSlotBits = 6;
   struct Slot {
     std::uint32_t index = 0;  // in slots_
     std::uint32_t rank = 0;   // by age among the resident warps
@@ -122,12 +130,25 @@ class RtEngine final : public Component, public L1Client {
   // The lane goes on in cycle `at`, which may be later than `now`.
   void run_lane(Cycles now, Cycles at, Slot& slot, std::uint32_t lane);
   Cycles run_tests(Cycles now, Cycles at, Lane& lane);
-  Cycles issue(Cycles at, Tester tester, std::uint32_t count);
+  Cycles issue(Cycles now, Cycles at, Tester tester, std::uint32_t count);
   [[noreturn]] void fail_without(Tester tester) const;
   void appoint(Cycles now, Cycles at, Slot& slot, std::uint32_t lane);
   // Asks for the lines of a read, of which `op` is the first. The lane waits for those of unknown
   // arrival, or goes on when the others are there.
   void read(Cycles now, Slot& slot, std::uint32_t lane, LaneOp op);
+  // Model "reserved" (rt_engine_reserved.cpp): the same, but all lines get their times at once, and
+  // so do the tests on them.
+  void go_on_ahead(Cycles now, Slot& slot, std::uint32_t lane);
+  void read_ahead(Cycles now, Slot& slot, std::uint32_t lane, LaneOp op);
+  Cycles fetch_line(Cycles now, const Slot& slot, LaneOp op);
+  void store_ahead(Cycles now, LaneOp op);
+  static std::uint64_t line_of_warp(const Slot& slot, LaneOp op) {
+    return op.line() << kSlotBits | slot.index;
+  }
+  void prefetch_line(const Slot& slot, LaneOp op) const;
+  void prefetch_before(Cycles end);
+  template <class Send>
+  void through_port(Cycles now, const Send& send);
   void suspend(Cycles now, Slot& slot, std::uint32_t lane, LaneOp op);
   void maybe_judge(Cycles now, Slot& slot);
   void back_from_shader(Cycles now, Slot& slot, std::uint32_t lane);
@@ -165,8 +186,13 @@ class RtEngine final : public Component, public L1Client {
   RtHost& host_;
   std::array<TesterPool, kTesters> pools_;
   std::vector<Slot> slots_;
-  std::vector<Slot*> by_age_;  // resident warps', oldest first
-  std::uint64_t asking_ = 0;   // bit per rank: has requests for the port
+  struct Appointed {
+    const Slot* slot;
+    const Lane* lane;
+  };
+  std::vector<Appointed> appointed_;  // used while prefetching
+  std::vector<Slot*> by_age_;         // resident warps', oldest first
+  std::uint64_t asking_ = 0;          // bit per rank: has requests for the port
   std::uint32_t resident_ = 0;
   struct Store {
     std::uint64_t line;
@@ -177,11 +203,14 @@ class RtEngine final : public Component, public L1Client {
   std::size_t stores_head_ = 0;
   Port port_;
   bool port_booked_ = false, port_blocked_ = false;
+  bool reserves_;           // model "reserved"
+  ComingLines on_its_way_;  // in that model: what a warp's lanes share, by line and slot
   std::uint32_t in_unit_ = 0, in_shader_ = 0;  // lanes
   LaneCompiler compiler_;
   RtCounts counts_;
   Attribution<RtReason> attribution_;
   BusyCycles testing_;
+  BusyCycles sending_;  // only in the model "reserved"
   BinnedSeries occupancy_, active_series_, port_series_;
   Cycles series_until_;
 };

@@ -175,6 +175,8 @@ class Sm final : public Component, public RtHost, public L1Client {
     }
   }
   void run_lsu(Cycles now);
+  A2RT_INLINE void access_ahead(Cycles now, Warp& warp, std::uint32_t ordinal, bool write);
+  bool lsu_full_ahead(Cycles now);
   A2RT_INLINE void send(Cycles now, LsuEntry& entry);
   A2RT_INLINE void add_data(Cycles now, std::uint32_t slot, SectorMask sectors,
                             const SectorTimes& ready);
@@ -210,6 +212,7 @@ class Sm final : public Component, public RtHost, public L1Client {
   std::uint32_t lsu_waiters_ = 0;  // warps that wait for room in the queue
   bool lsu_booked_ = false, lsu_blocked_ = false;
   Port lsu_port_;
+  bool reserves_;  // model "reserved"
   SmHost::NewWarp new_warp_{};
   std::deque<Cycles> turns_;  // in order
   Cycles turn_ = kNoTurn;     // first of them

@@ -36,24 +36,30 @@ class TesterPool {
     A2RT_CHECK(count < 0x10000, "an RT unit has fewer than 65536 testers of a kind");
   }
 
-  // How far apart, in core cycles, two requests may be out of order.
-  static constexpr std::uint64_t kDisorder = 128;
-
   bool exists() const { return count_ > 0; }
   std::uint32_t count() const { return count_; }
 
-  // Core cycle at which the last of `tests` ends if they can start from core cycle `at` on.
-  A2RT_INLINE Cycles issue(Cycles at, std::uint32_t tests) {
+  // Core cycle at which the last of `tests` ends if they can start from core cycle `at` on. Nobody
+  // asks for a cycle before `now` any more.
+  A2RT_INLINE Cycles issue(Cycles now, Cycles at, std::uint32_t tests) {
     tests_ += tests;
     // Mostly all can start at once, and no tester is busy for more than its first cycle.
-    if (simple_ && at.value - first_ < kDisorder + 64) [[likely]] {
+    if (simple_ && at.value - first_ <= ring_mask_) [[likely]] {
       const std::uint32_t busy = busy_in(at.value) + tests;
       if (busy <= count_) [[likely]] {
         set_busy(at.value, busy);
         return at + latency_;
       }
     }
-    return issue_later(at, tests);
+    return issue_later(now, at, tests);
+  }
+
+  // Tests will be asked for from `from` until `to`, and start somewhat later: brings what that
+  // touches into the host's caches.
+  void prefetch(Cycles from, Cycles to) const {
+    for (std::uint64_t c = from.value; tests_ > 0 && c < to.value + kSomewhatLater; c += 32) {
+      __builtin_prefetch(&busy_[c & ring_mask_], 1);
+    }
   }
 
   std::uint64_t tests() const { return tests_; }
@@ -65,10 +71,11 @@ class TesterPool {
 
  private:
   static constexpr std::size_t kLeastRing = 512;
-  A2RT_NOINLINE Cycles issue_later(Cycles at, std::uint32_t tests) {
+  static constexpr std::uint64_t kSomewhatLater = 128;
+  A2RT_NOINLINE Cycles issue_later(Cycles now, Cycles at, std::uint32_t tests) {
     const std::uint64_t own = clock_.from_core(at).value;
-    if (own >= first_ + kDisorder + 64) [[unlikely]] {
-      forget_before(own);
+    if (own > first_ + ring_mask_) [[unlikely]] {
+      forget_before(clock_.from_core(now).value);
     }
     const std::uint64_t start = interval_ == 1 ? reserve_single(own, tests) : reserve(own, tests);
     queued_cycles_ += start - own;
@@ -77,8 +84,8 @@ class TesterPool {
   std::uint16_t& busy_in(std::uint64_t cycle) { return busy_[cycle & ring_mask_]; }
   std::uint64_t& full_word(std::uint64_t cycle) { return full_[(cycle & ring_mask_) / 64]; }
   // Nobody asks for the past any more: its places in the ring become free, 64 cycles at a time.
-  A2RT_NOINLINE void forget_before(std::uint64_t own) {
-    const std::uint64_t keep = (own - kDisorder) / 64 * 64;
+  A2RT_NOINLINE void forget_before(std::uint64_t now) {
+    const std::uint64_t keep = now / 64 * 64;
     const std::uint64_t until = std::min(keep, first_ + ring_mask_ + 1);
     for (; first_ < until; first_ += 64) {
       std::fill_n(&busy_in(first_), 64, std::uint16_t{0});

@@ -1,0 +1,105 @@
+// Lines of which data is on its way and whose arrival is known, for the model that reserves every
+// message's way ahead: who asks meanwhile waits for the same data.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "a2rt/base/error.h"
+#include "a2rt/base/inline.h"
+#include "a2rt/base/units.h"
+#include "a2rt/timing/sectors.h"
+
+namespace a2rt::timing {
+
+// A table without chains: two lines a bucket, of which the one that is there first makes room. A
+// line that had to make room is forgotten, so that whoever asks for it later takes it for there
+// already, or asks for it again; tables are large enough for that to be rare.
+class ComingLines {
+ public:
+  // Room for so many lines, a power of two from 4 on.
+  explicit ComingLines(std::size_t lines)
+      : buckets_(lines / kWays),
+        shift_(static_cast<std::uint32_t>(std::countl_zero(buckets_.size())) + 1) {
+    A2RT_CHECK(std::has_single_bit(lines) && lines >= 2 * kWays,
+               "a table has a power of two lines");
+  }
+
+  class Line {
+   public:
+    // Those on their way at `now`, of the ones asked for.
+    SectorMask coming(Cycles now, SectorMask sectors) const {
+      return there_ > now ? static_cast<SectorMask>(number_and_sectors_ & sectors) : SectorMask{0};
+    }
+    // When the last of those on their way is there.
+    Cycles there() const { return there_; }
+    // These come, too.
+    void add(Cycles now, SectorMask sectors, Cycles there) {
+      const bool more = there_ > now;
+      number_and_sectors_ = (more ? number_and_sectors_ : number_and_sectors_ & ~kAll) | sectors;
+      there_ = more ? std::max(there_, there) : there;
+    }
+
+   private:
+    friend class ComingLines;
+    static constexpr std::uint64_t kAll = (std::uint64_t{1} << kSectorsPerLine) - 1;
+    bool is(std::uint64_t number) const { return number_and_sectors_ >> kSectorsPerLine == number; }
+    std::uint64_t number_and_sectors_ = ~kAll;  // no line
+    Cycles there_;
+  };
+
+  void prefetch(std::uint64_t number) const { __builtin_prefetch(&buckets_[place(number)], 1); }
+  // The line numbered so (below 2^59), if anything is known of it.
+  A2RT_INLINE const Line* find(std::uint64_t number) const {
+    const Bucket& bucket = buckets_[place(number)];
+    return bucket[0].is(number) ? &bucket[0] : bucket[1].is(number) ? &bucket[1] : nullptr;
+  }
+  // The same; if nothing is, its place.
+  A2RT_INLINE Line& obtain(std::uint64_t number) {
+    Bucket& bucket = buckets_[place(number)];
+    const bool second =
+        bucket[1].is(number) || (!bucket[0].is(number) && bucket[1].there_ < bucket[0].there_);
+    Line& line = bucket[second];
+    // Another line's time says nothing about this one's.
+    line.there_ = line.is(number) ? line.there_ : Cycles{0};
+    line.number_and_sectors_ = number << kSectorsPerLine | (line.number_and_sectors_ & Line::kAll);
+    return line;
+  }
+
+ private:
+  static constexpr std::size_t kWays = 2;
+  using Bucket = std::array<Line, kWays>;
+  std::size_t place(std::uint64_t line) const { return mixed(line) >> shift_; }
+  std::vector<Bucket> buckets_;
+  std::uint32_t shift_;
+};
+
+// How many things can be under way at once, such as MSHRs: one more begins when the one that is so
+// many before it has ended.
+class InFlight {
+ public:
+  explicit InFlight(std::uint32_t limit) : ends_(limit) {
+    A2RT_CHECK(limit > 0, "something that must pass has no room");
+  }
+  // When `n` more can be under way, if they want to be at `wanted`.
+  Cycles begin(Cycles wanted, std::uint32_t n) const {
+    return std::max(wanted, ends_[wrapped(next_ + std::min<std::size_t>(n, ends_.size()) - 1)]);
+  }
+  // So many begin, and end at `end`.
+  void add(std::uint32_t n, Cycles end) {
+    for (; n > 0; --n) {
+      ends_[next_] = end;
+      next_ = wrapped(next_ + 1);
+    }
+  }
+
+ private:
+  std::size_t wrapped(std::size_t i) const { return i < ends_.size() ? i : i - ends_.size(); }
+  std::vector<Cycles> ends_;  // of the last ones
+  std::size_t next_ = 0;
+};
+
+}  // namespace a2rt::timing
