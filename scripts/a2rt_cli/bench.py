@@ -222,17 +222,23 @@ def print_build(rows: Sequence[dict[str, Any]]) -> None:
 
 def print_simulation(rows: Sequence[dict[str, Any]]) -> None:
     console.heading("Simulated rays a second of processor time, one thread (machine table1)")
-    cells = [
-        (
-            row["scene"],
-            row["unit"],
-            formats.count(row["rays"]),
-            f"{row['seconds']:.2f} s",
-            formats.percent(row["walk_seconds"] / row["seconds"], 0),
-            formats.count(row["rays_per_second"]),
-            *_verdict(row["rays_per_second"], LIMITS["simulation"], False),
-        )
-        for row in rows
-    ]
-    columns = ("scene", "unit", "rays", "time", "traversal", "rays/s", "limit", "")
-    print(console.table(columns, cells, left=2))
+    cells = []
+    for row in rows:
+        reserved = row["reserved"]
+        for model, rate in (("queued", row), ("reserved", reserved)):
+            cells.append(
+                (
+                    row["scene"],
+                    row["unit"],
+                    model,
+                    formats.count(row["rays"]),
+                    f"{rate['seconds']:.2f} s",
+                    formats.percent(row["walk_seconds"] / rate["seconds"], 0),
+                    formats.count(rate["cycles"]),
+                    f"{reserved['error']:+.1%}" if rate is reserved else formats.NOTHING,
+                    formats.count(rate["rays_per_second"]),
+                    *_verdict(rate["rays_per_second"], LIMITS["simulation"], False),
+                )
+            )
+    columns = ("scene", "unit", "model", "rays", "time", "traversal", "cycles", "off", "rays/s")
+    print(console.table((*columns, "limit", ""), cells, left=3))

@@ -72,6 +72,22 @@ def test_figure_7_takes_the_shared_tree_once_and_prints_its_parts(a2rt):
     assert pictures.load(a2rt.folder / "out" / "fig7" / "fig7.png").std() > 20
 
 
+def test_the_two_models_of_the_machine_are_run_on_the_same_rays_and_agree(a2rt):
+    a2rt.ok("reproduce", "models", "--scenes", "cornell", "--size", "64x64", "-o", "out")
+    folder = a2rt.folder / "out" / "models"
+    rows = json.loads((folder / "models.json").read_text(encoding="utf-8"))["models"]
+    assert [row["unit"] for row in rows] == ["baseline", "aqb8", "a2rt"]
+    for row in rows:
+        queued, reserved = row["queued"]["cycles"], row["reserved"]["cycles"]
+        assert row["error"] == pytest.approx(reserved / queued - 1)
+        assert 0 < abs(row["error"]) < 0.1
+    found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    assert [one["config"]["gpu"]["model"] for one in found] == ['"queued"', '"reserved"'] * 3
+    asked = [one["memory"]["rt_unit"]["sectors_wanted"] for one in found]
+    assert asked[0::2] == asked[1::2]
+    assert pictures.load(folder / "models.png").std() > 20
+
+
 def test_the_error_of_sampling_is_against_a_full_run(a2rt):
     said = a2rt.ok("reproduce", "sampling", "--scenes", "cornell", "--size", "64x64", "-o", "out")
     file = a2rt.folder / "out/sampling/sampling.json"

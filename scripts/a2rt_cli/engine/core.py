@@ -125,7 +125,7 @@ def bench_simulate(
     repeats: int = 1,
     shown: console.Step | None = None,
 ) -> list[dict[str, Any]]:
-    """Simulated rays a second of every unit, in processor time of one thread; best of `repeats`."""
+    """Simulated rays a second of every unit in both models, one thread, best of `repeats`."""
     words: list[str | Path] = ["bench-simulate", workload, "--units", ",".join(units)]
     words += ["--repeats", str(repeats), "-o", target]
     _call(words, f"timing simulations of {workload.name}", shown)
