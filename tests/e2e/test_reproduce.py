@@ -82,7 +82,8 @@ def test_the_two_models_of_the_machine_are_run_on_the_same_rays_and_agree(a2rt):
         assert row["error"] == pytest.approx(reserved / queued - 1)
         assert 0 < abs(row["error"]) < 0.1
     found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
-    assert [one["config"]["gpu"]["model"] for one in found] == ['"queued"', '"reserved"'] * 3
+    changes = [one["gpu"]["changes"] for one in found]
+    assert changes == [["model=queued"], ["model=reserved"]] * 3
     asked = [one["memory"]["rt_unit"]["sectors_wanted"] for one in found]
     assert asked[0::2] == asked[1::2]
     assert pictures.load(folder / "models.png").std() > 20
