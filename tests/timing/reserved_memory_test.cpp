@@ -76,16 +76,6 @@ TEST_F(Reserved, who_asks_for_what_is_on_its_way_gets_it_when_it_comes) {
   EXPECT_EQ(uut.counts().l2.merges[static_cast<std::size_t>(Traffic::kNode)], 1u);
 }
 
-// SMs run one after the other, so one may have asked for later what another asks for now.
-TEST_F(Reserved, who_asks_earlier_than_the_one_before_waits_no_longer_than_for_a_read_of_its_own) {
-  config.sm.count = 2;
-  ReservedMemory uut(config);
-  read(uut, 100'000, 0);
-  ReservedMemory alone(config);
-  const Cycles own = read(alone, 0, 0);
-  EXPECT_LE(uut.read(Cycles{0}, 1, Address{0}, 1, Traffic::kNode), own + config.dram.rp);
-}
-
 TEST_F(Reserved, an_open_row_delivers_a_sector_every_burst) {
   config.dram.mhz = config.core_mhz;
   config.l2.channels = config.l2.slices_per_channel = 1;

@@ -28,7 +28,7 @@ const char* reason_name(LaneReason reason) {
 
 void BusyCycles::mark_any(std::uint64_t from, std::uint64_t to) {
   if (to > from && to > taken_.value + kWindow) {
-    long_from_ = long_until_ > Cycles{from} ? std::min(long_from_, Cycles{from}) : Cycles{from};
+    long_from_ = long_until_ >= Cycles{from} ? std::min(long_from_, Cycles{from}) : Cycles{from};
     long_until_ = std::max(long_until_, Cycles{to});
     return;
   }

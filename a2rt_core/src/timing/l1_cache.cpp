@@ -25,11 +25,12 @@ SectorMask lowest(SectorMask mask, std::uint32_t n) {
 // When a message of sectors that follow each other a cycle apart can leave: none goes before its
 // own time.
 Cycles departure(SectorMask sectors, const SectorTimes& ready) {
-  Cycles leaves;
-  std::uint64_t position = 0;
+  // The last one's, as the first one's may be before the run's beginning.
+  Cycles last;
+  std::uint64_t behind = sectors_in(sectors);
   for_each_bit(sectors,
-               [&](std::uint32_t s) { leaves = std::max(leaves, ready[s] - Cycles{position++}); });
-  return leaves;
+               [&](std::uint32_t s) { last = std::max(last, ready[s] + Cycles{--behind}); });
+  return last - Cycles{sectors_in(sectors) - 1};
 }
 
 }  // namespace
@@ -182,32 +183,34 @@ void L1Cache::miss(Cycles now, Port& port, Address line, SectorMask missing, Tra
   }
 }
 
-Cycles L1Cache::miss_ahead(Cycles looked_up, Address line, SectorMask missing, Traffic kind) {
+Cycles L1Cache::miss_ahead(Cycles leaves, Cycles looked_up, Address line, SectorMask missing,
+                           Traffic kind) {
   const std::uint32_t n = sectors_in(missing);
   if (n > config_.mshrs) [[unlikely]] {
     Cycles last;
     for_each_bit(missing, [&](std::uint32_t s) {
-      last = std::max(last, miss_ahead(looked_up, line, static_cast<SectorMask>(1u << s), kind));
+      last = std::max(last,
+                      miss_ahead(leaves, looked_up, line, static_cast<SectorMask>(1u << s), kind));
     });
     return last;
   }
   const auto k = static_cast<std::size_t>(kind);
   counts_.misses[k] += n;
   counts_.fills += n;
-  const Cycles leaves = in_flight_.begin(looked_up - Cycles{n - 1}, n);
-  counts_.mshr_full += leaves > looked_up;
-  const Cycles there = lower_.read(leaves, sm_, line, missing, kind) + Cycles{n - 1};
+  const Cycles begin = in_flight_.begin(leaves, n);
+  counts_.mshr_full += begin > leaves;
+  const Cycles there = lower_.read(begin, sm_, line, missing, kind) + Cycles{n - 1};
   in_flight_.add(n, there);
-  coming_.obtain(line_of(line)).add(looked_up, missing, there);
-  count_victim(looked_up, tags_.fill(there, line, missing, kind));
+  coming_.obtain(looked_up, line_of(line)).add(looked_up, missing, there);
+  count_victim(looked_up, tags_.fill(looked_up, line, missing, kind));
   return std::max(looked_up, there);
 }
 
 // When the first of the sectors leaves for the levels below.
 Cycles L1Cache::enter_for_write(Cycles now, Port& port, Address line, SectorMask sectors) {
   if (reserves_) {
-    const Port::Sent sent = port.send(now, sectors_in(sectors));
-    return std::max(sent.first, sent.last - Cycles{sectors_in(sectors) - 1}) + config_.latency;
+    const std::uint32_t n = sectors_in(sectors);
+    return departure_of(port.send(now, n), n);
   }
   SectorTimes sent{};
   banks_.advance(now);

@@ -1,6 +1,7 @@
 #include "a2rt/timing/reserved_memory.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace a2rt::timing {
 namespace {
@@ -19,8 +20,7 @@ ReservedMemory::ReservedMemory(const MachineConfig& config)
       row_bytes_(config.dram.row.value),
       bank_count_(config.dram.banks),
       burst_(std::max(config.dram.burst, config.dram.ccd).value),
-      row_miss_latency_(dram_clock_.to_core(config.dram.rp + config.dram.rcd + config.dram.cl +
-                                            config.dram.burst)),
+      turnaround_((config.dram.turnaround.value + burst_.by() - 1) / burst_.by()),
       slices_(slice_count_.by(), Slice(config.l2)),
       sms_(config.sm.count),
       channels_(config.l2.channels),
@@ -60,13 +60,12 @@ Cycles ReservedMemory::read(Cycles leaves, std::uint32_t sm, Address line, Secto
   counts_.l2.hits[k] += sectors_in(present) - sectors_in(merged);
   Cycles ready = looked_up;
   if (merged != 0) {
-    // Another SM may have asked for a later cycle; a request of its own would not take longer.
-    ready = std::min(coming->there(), looked_up + config_.dram.extra_latency + row_miss_latency_);
+    ready = coming->there();
   }
   if (present != sectors) {
     const auto missing = static_cast<SectorMask>(sectors & ~present);
     const Cycles there = miss(looked_up, place, missing, kind);
-    coming_.obtain(line_of(line)).add(looked_up, missing, there);
+    coming_.obtain(looked_up, line_of(line)).add(looked_up, missing, there);
     ready = std::max(ready, there);
   }
   counts_.crossbar_sectors += n;
@@ -78,6 +77,13 @@ Cycles ReservedMemory::read(Cycles leaves, std::uint32_t sm, Address line, Secto
 Cycles ReservedMemory::miss(Cycles looked_up, const Place& place, SectorMask sectors,
                             Traffic kind) {
   const std::uint32_t n = sectors_in(sectors);
+  if (n > config_.l2.mshrs) [[unlikely]] {
+    Cycles last;
+    for_each_bit(sectors, [&](std::uint32_t s) {
+      last = std::max(last, miss(looked_up, place, static_cast<SectorMask>(1u << s), kind));
+    });
+    return last;
+  }
   const auto k = static_cast<std::size_t>(kind);
   counts_.l2.misses[k] += n;
   counts_.l2.fills += n;
@@ -85,10 +91,10 @@ Cycles ReservedMemory::miss(Cycles looked_up, const Place& place, SectorMask sec
   counts_.dram.reads += n;
   InFlight& mshrs = slices_[place.slice].mshrs;
   const Cycles leaves = mshrs.begin(looked_up, n);
-  counts_.l2.mshr_full += leaves > looked_up ? n : 0;
-  const Cycles there = at_dram(leaves + config_.dram.extra_latency, place, n);
+  counts_.l2.mshr_full += leaves > looked_up;
+  const Cycles there = at_dram(leaves + config_.dram.extra_latency, place, n, false);
   mshrs.add(n, there);
-  insert(there, place, sectors, kind, false);
+  insert(looked_up, place, sectors, kind, false);
   return there;
 }
 
@@ -121,43 +127,62 @@ void ReservedMemory::insert(Cycles now, const Place& place, SectorMask sectors, 
     ++counts_.dram_writes[static_cast<std::size_t>(victim->kinds[s])];
   });
   at_dram(now + config_.l2.latency + config_.dram.extra_latency,
-          {victim->line * kLineBytes, place.slice}, n);
+          {victim->line * kLineBytes, place.slice}, n, true);
 }
 
 // A channel's slices take turns in its memory. Returns when the last sector has gone over the bus.
-Cycles ReservedMemory::at_dram(Cycles at, const Place& place, std::uint32_t sectors) {
+Cycles ReservedMemory::at_dram(Cycles at, const Place& place, std::uint32_t sectors, bool write) {
   const auto [chunk, within] = interleave_.divide(place.local);
   const auto [channel_number, slice] = slices_per_channel_.divide(place.slice);
   const std::uint64_t local =
       (chunk * slices_per_channel_.by() + slice) * interleave_.by() + within;
   Channel& channel = channels_[channel_number];
   const auto [row, bank] = bank_count_.divide(row_bytes_.quotient(local));
-  const Cycles data = open_row(dram_clock_.from_core(at), channel.banks[bank], row);
+  const Cycles data = open_row(dram_clock_.from_core(at), channel.banks[bank], row, sectors, write);
   counts_.dram.row_hits += sectors - 1;
   counts_.dram.busy_cycles += sectors * config_.dram.burst.value;
-  const Cycles start{(data.value + burst_.by() - 1) / burst_.by()};
   const Cycles past{dram_clock_.from_core(now_).value / burst_.by()};
+  Cycles start{(data.value + burst_.by() - 1) / burst_.by()};
+  // Every other change of direction: a scheduler that may choose makes fewer of them.
+  if (!std::exchange(channel.last_was_write, write) && write) {
+    for (std::uint64_t left = turnaround_; left > 0; left -= std::min<std::uint64_t>(left, 4)) {
+      const auto part = static_cast<std::uint32_t>(std::min<std::uint64_t>(left, 4));
+      start = channel.bus.take(past, start, part) + Cycles{part};
+    }
+  }
   const Cycles sent = channel.bus.take(past, start, sectors);
   return dram_clock_.to_core(Cycles{(sent.value + sectors) * burst_.by()});
 }
 
-// Command cycle of the first data. Who comes before what the bank was last opened for waits for no
-// more than its own commands.
-Cycles ReservedMemory::open_row(Cycles own, Bank& bank, std::uint64_t row) {
+// Command cycle of the first data. Who comes before what the bank was last asked for waits for no
+// more than its own commands, and leaves no trace. Of what a precharge waits for, only what has
+// been written counts: a scheduler that serves row hits first hides the rest, and this is none.
+Cycles ReservedMemory::open_row(Cycles own, Bank& bank, std::uint64_t row, std::uint32_t sectors,
+                                bool write) {
   const DramConfig& d = config_.dram;
-  const bool in_order = own >= bank.asked;
-  if (bank.open && bank.row == row) {
-    ++counts_.dram.row_hits;
-    return (in_order ? std::max(own, bank.column_ready) : own) + d.cl;
+  const bool hit = bank.open && bank.row == row, in_order = own >= bank.asked;
+  ++(hit         ? counts_.dram.row_hits
+     : bank.open ? counts_.dram.row_conflicts
+                 : counts_.dram.row_misses);
+  counts_.dram.activates += !hit;
+  const Cycles to_data = write ? d.wl : d.cl;
+  Cycles column = own;
+  if (hit) {
+    column = in_order ? std::max(own, bank.column_ready) : own;
+  } else {
+    const Cycles precharge = in_order ? std::max(own, bank.written) : own;
+    Cycles activate = bank.open ? precharge + d.rp : own;
+    activate = in_order ? std::max(activate, bank.activate_ready) : activate;
+    column = activate + d.rcd;
+    if (in_order) {
+      bank = {row, true, own, activate + d.rc, column, Cycles{0}};
+    }
   }
-  ++(bank.open ? counts_.dram.row_conflicts : counts_.dram.row_misses);
-  ++counts_.dram.activates;
-  Cycles activate = own + (bank.open ? d.rp : Cycles{0});
   if (in_order) {
-    activate = std::max(activate, bank.activate_ready);
-    bank = {row, true, own, activate + d.rc, activate + d.rcd};
+    bank.asked = own;
+    bank.written = write ? column + to_data + d.burst * sectors + d.wr : bank.written;
   }
-  return activate + d.rcd + d.cl;
+  return column + to_data;
 }
 
 std::string ReservedMemory::dump() const {

@@ -15,8 +15,8 @@ std::uint32_t share(std::uint32_t total, std::uint32_t index, std::uint32_t unit
 
 constexpr std::ptrdiff_t kOpsPerHostLine = 64 / sizeof(LaneOp);
 constexpr Cycles kTestsAhead{128}, kTestsFarAhead{1024};
-// Two for each of 128 rays, the usual warp buffer.
-constexpr std::size_t kSharedLines = 256;
+// Of a warp: two for each ray.
+constexpr std::size_t kSharedLines = 64;
 
 }  // namespace
 
@@ -31,7 +31,7 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
       slots_(config.rt.warps),
       port_(config.rt.port_sectors, ClockDomain(config.rt.mhz, config.core_mhz)),
       reserves_(config.model == Model::kReserved),
-      on_its_way_(kSharedLines),
+      on_its_way_(std::bit_ceil(kSharedLines * config.rt.warps)),
       compiler_(config.rt) {
   A2RT_CHECK(slots_.size() <= 1u << kSlotBits,
              "an RT unit has more places for warps than asking_ has bits");

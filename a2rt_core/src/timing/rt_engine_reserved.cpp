@@ -27,7 +27,7 @@ A2RT_INLINE void RtEngine::prefetch_line(const Slot& slot, LaneOp op) const {
 
 // When the line's sectors are there; those on their way to another lane of the warp are shared.
 A2RT_INLINE Cycles RtEngine::fetch_line(Cycles now, const Slot& slot, LaneOp op) {
-  ComingLines::Line& known = on_its_way_.obtain(line_of_warp(slot, op));
+  ComingLines::Line& known = on_its_way_.obtain(now, line_of_warp(slot, op));
   const SectorMask shared = known.coming(now, op.sectors());
   const auto wanted = static_cast<SectorMask>(op.sectors() ^ shared);
   if (wanted == 0) {
@@ -56,6 +56,7 @@ A2RT_INLINE void RtEngine::read_ahead(Cycles now, Slot& slot, std::uint32_t l, L
   });
   __builtin_prefetch(next + kOpsPerHostLine);
   lane.op = next;
+  calendar_.promise(ready);
   lane_cycles(LaneReason::kFetch) += ready.value - now.value;
   const Cycles at = next->is_test() ? run_tests(now, ready, lane) : ready;
   calendar_.at(at, *this, kLaneAhead, slot.index * kLanes + l);
@@ -81,9 +82,9 @@ void RtEngine::store_ahead(Cycles now, LaneOp op) {
 
 // Brings what the appointments before `end` touch into the host's caches. What one step reads has
 // been fetched by the one before, so that none waits for memory.
-void RtEngine::prefetch_before(Cycles end) {
+void RtEngine::prefetch_before(Cycles now, Cycles end) {
   for (const TesterPool& pool : pools_) {
-    pool.prefetch(calendar_.now(), end);
+    pool.prefetch(now, end);
   }
   appointed_.clear();
   calendar_.each_before(end, [&](const Component* who, std::uint32_t what, std::uint32_t value) {

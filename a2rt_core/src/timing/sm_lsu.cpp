@@ -45,6 +45,7 @@ void Sm::access_ahead(Cycles now, Warp& warp, std::uint32_t ordinal, bool write)
                                l1_.read_ahead(now, lsu_port_, address, sectors, Traffic::kShader));
         }
       });
+  calendar_.promise(warp.data);
 }
 
 // Whether as many sectors as the queue holds wait for the port; if so, those who find it full are

@@ -105,7 +105,9 @@ class Calendar {
 
   // Work was done; the watchdog counts from here.
   void progress() { last_progress_ = now_; }
-  Cycles last_progress() const { return last_progress_; }
+  // Something will certainly be there in cycle `when`; until then nobody need show progress.
+  void promise(Cycles when) { promised_ = std::max(promised_, when); }
+  Cycles last_progress() const { return std::max(last_progress_, promised_); }
 
  private:
   static constexpr std::size_t kWheel = 1024;
@@ -157,7 +159,7 @@ class Calendar {
   std::uint32_t free_ = kNil;  // those kept last are used again first, while the host has them near
   std::uint64_t made_ = 0;
   Cycles now_;
-  Cycles last_progress_;
+  Cycles last_progress_, promised_;
   std::array<std::uint64_t, kWheel / 64> occupied_{};
   std::array<std::uint32_t, kWheel> buckets_{};  // the last of a ring, if occupied
   std::vector<Far> far_;                         // heap, earliest first

@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include "a2rt/base/error.h"
@@ -15,9 +16,8 @@
 
 namespace a2rt::timing {
 
-// A table without chains: two lines a bucket, of which the one that is there first makes room. A
-// line that had to make room is forgotten, so that whoever asks for it later takes it for there
-// already, or asks for it again; tables are large enough for that to be rare.
+// A table of two lines a bucket. What does not fit and is still on its way goes to a map beside it,
+// which is mostly empty.
 class ComingLines {
  public:
   // Room for so many lines, a power of two from 4 on.
@@ -55,14 +55,20 @@ class ComingLines {
   // The line numbered so (below 2^59), if anything is known of it.
   A2RT_INLINE const Line* find(std::uint64_t number) const {
     const Bucket& bucket = buckets_[place(number)];
-    return bucket[0].is(number) ? &bucket[0] : bucket[1].is(number) ? &bucket[1] : nullptr;
+    return bucket[0].is(number)   ? &bucket[0]
+           : bucket[1].is(number) ? &bucket[1]
+           : beside_.empty()      ? nullptr
+                                  : find_beside(number);
   }
-  // The same; if nothing is, its place.
-  A2RT_INLINE Line& obtain(std::uint64_t number) {
+  // The same; if nothing is, its place. Until the next call.
+  A2RT_INLINE Line& obtain(Cycles now, std::uint64_t number) {
     Bucket& bucket = buckets_[place(number)];
     const bool second =
         bucket[1].is(number) || (!bucket[0].is(number) && bucket[1].there_ < bucket[0].there_);
     Line& line = bucket[second];
+    if (!line.is(number) && (line.there_ > now || !beside_.empty())) [[unlikely]] {
+      return make_room(now, line, number);
+    }
     // Another line's time says nothing about this one's.
     line.there_ = line.is(number) ? line.there_ : Cycles{0};
     line.number_and_sectors_ = number << kSectorsPerLine | (line.number_and_sectors_ & Line::kAll);
@@ -73,8 +79,34 @@ class ComingLines {
   static constexpr std::size_t kWays = 2;
   using Bucket = std::array<Line, kWays>;
   std::size_t place(std::uint64_t line) const { return mixed(line) >> shift_; }
+  const Line* find_beside(std::uint64_t number) const {
+    const auto found = beside_.find(number);
+    return found == beside_.end() ? nullptr : &found->second;
+  }
+  // Puts what is in the line's place aside if it is still on its way, and the line there.
+  A2RT_NOINLINE Line& make_room(Cycles now, Line& line, std::uint64_t number) {
+    Line wanted;
+    wanted.number_and_sectors_ = number << kSectorsPerLine;
+    if (const auto found = beside_.find(number); found != beside_.end()) {
+      wanted = found->second;
+      beside_.erase(found);
+    }
+    if (line.there_ > now) {
+      if (beside_.size() >= most_beside_) {
+        std::erase_if(beside_, [&](const auto& entry) { return entry.second.there_ <= now; });
+        most_beside_ = std::max(kLeastBeside, beside_.size() * 2);
+      }
+      beside_[line.number_and_sectors_ >> kSectorsPerLine] = line;
+    }
+    line = wanted;
+    return line;
+  }
+
+  static constexpr std::size_t kLeastBeside = 64;
   std::vector<Bucket> buckets_;
   std::uint32_t shift_;
+  std::unordered_map<std::uint64_t, Line> beside_;
+  std::size_t most_beside_ = kLeastBeside;
 };
 
 // How many things can be under way at once, such as MSHRs: one more begins when the one that is so

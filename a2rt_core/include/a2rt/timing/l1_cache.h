@@ -104,7 +104,12 @@ class L1Cache final : public LineSink {
                                       SectorTimes& ready);
   A2RT_NOINLINE void miss(Cycles now, Port& port, Address line, SectorMask missing, Traffic kind,
                           L1Client& client, std::uint32_t token, Lookup& result);
-  A2RT_NOINLINE Cycles miss_ahead(Cycles looked_up, Address line, SectorMask missing, Traffic kind);
+  A2RT_NOINLINE Cycles miss_ahead(Cycles leaves, Cycles looked_up, Address line, SectorMask missing,
+                                  Traffic kind);
+  // When the first of so many sectors, which follow each other a cycle apart, can leave for below.
+  Cycles departure_of(Port::Sent sent, std::uint32_t n) const {
+    return std::max(sent.first + Cycles{n - 1}, sent.last) - Cycles{n - 1} + config_.latency;
+  }
   Cycles enter_for_write(Cycles now, Port& port, Address line, SectorMask sectors);
   std::uint32_t* find(std::uint64_t line);
   std::uint32_t obtain(std::uint64_t line, Traffic kind);
@@ -178,7 +183,8 @@ A2RT_INLINE Cycles L1Cache::read_ahead(Cycles now, Port& port, Address line, Sec
                                        Traffic kind) {
   const std::uint32_t n = sectors_in(sectors);
   const auto k = static_cast<std::size_t>(kind);
-  const Cycles looked_up = port.send(now, n).last + config_.latency;
+  const Port::Sent sent = port.send(now, n);
+  const Cycles looked_up = sent.last + config_.latency;
   const SectorMask present = tags_.touch(line, sectors);
   const ComingLines::Line* coming = coming_.find(line_of(line));
   counts_.reads[k] += n;
@@ -193,8 +199,8 @@ A2RT_INLINE Cycles L1Cache::read_ahead(Cycles now, Port& port, Address line, Sec
   if (present == sectors) [[likely]] {
     return ready;
   }
-  return std::max(ready,
-                  miss_ahead(looked_up, line, static_cast<SectorMask>(sectors & ~present), kind));
+  const auto missing = static_cast<SectorMask>(sectors & ~present);
+  return std::max(ready, miss_ahead(departure_of(sent, n), looked_up, line, missing, kind));
 }
 
 }  // namespace a2rt::timing

@@ -4,6 +4,7 @@
 // Ports, lookups, links and data buses are as wide as in the model "queued" and are reserved in any
 // order, so what is ready first goes first. Tags, rows and MSHRs are taken in the order in which
 // reads are asked for, which within a stretch is SM by SM; DRAM serves first come first served.
+// What is on its way comes when it was asked for, also for an SM that would have asked earlier.
 #pragma once
 
 #include <cstdint>
@@ -55,10 +56,11 @@ class ReservedMemory final : public Memory {
   struct Bank {
     std::uint64_t row = 0;
     bool open = false;
-    Cycles asked, activate_ready, column_ready;  // command clock
+    Cycles asked, activate_ready, column_ready, written;  // command clock
   };
   struct Channel {
     ReservedPort bus;  // cycles of a sector's burst each
+    bool last_was_write = false;
     std::vector<Bank> banks;
   };
   struct Place {
@@ -68,14 +70,14 @@ class ReservedMemory final : public Memory {
   Place place(Address line) const;
   Cycles look_up(Cycles sent, Slice& slice, std::uint32_t sectors);
   Cycles miss(Cycles looked_up, const Place& place, SectorMask sectors, Traffic kind);
-  Cycles at_dram(Cycles at, const Place& place, std::uint32_t sectors);
-  Cycles open_row(Cycles own, Bank& bank, std::uint64_t row);
+  Cycles at_dram(Cycles at, const Place& place, std::uint32_t sectors, bool write);
+  Cycles open_row(Cycles own, Bank& bank, std::uint64_t row, std::uint32_t sectors, bool write);
   void insert(Cycles now, const Place& place, SectorMask sectors, Traffic kind, bool dirty);
 
   MachineConfig config_;
   ClockDomain l2_clock_, dram_clock_;
   Divider interleave_, slice_count_, slices_per_channel_, row_bytes_, bank_count_, burst_;
-  Cycles row_miss_latency_;  // of an idle DRAM, core clock
+  std::uint64_t turnaround_;  // in bursts
   std::vector<Slice> slices_;
   std::vector<SmPort> sms_;
   std::vector<Channel> channels_;

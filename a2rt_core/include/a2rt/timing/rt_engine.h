@@ -82,10 +82,11 @@ class RtEngine final : public Component, public L1Client {
   const BinnedSeries& active_lanes() const { return active_series_; }
   const BinnedSeries& port_use() const { return port_series_; }
 
-  // The unit runs alone until `end`. Changes nothing but the host's caches.
-  void begin_stretch(Cycles end) {
+  // The unit runs alone from `now` until `end`.
+  void begin_stretch(Cycles now, Cycles end) {
     if (reserves_) {
-      prefetch_before(end);
+      account_cycles(now);
+      prefetch_before(now, end);
     }
   }
   void wake(Cycles now, std::uint32_t what, std::uint32_t value) override;
@@ -146,7 +147,7 @@ class RtEngine final : public Component, public L1Client {
     return op.line() << kSlotBits | slot.index;
   }
   void prefetch_line(const Slot& slot, LaneOp op) const;
-  void prefetch_before(Cycles end);
+  void prefetch_before(Cycles now, Cycles end);
   template <class Send>
   void through_port(Cycles now, const Send& send);
   void suspend(Cycles now, Slot& slot, std::uint32_t lane, LaneOp op);

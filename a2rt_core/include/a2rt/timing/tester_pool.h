@@ -54,10 +54,13 @@ class TesterPool {
     return issue_later(now, at, tests);
   }
 
-  // Tests will be asked for from `from` until `to`, and start somewhat later: brings what that
-  // touches into the host's caches.
+  // Tests will be asked for from core cycle `from` until `to`, and start somewhat later: brings
+  // what that touches into the host's caches.
   void prefetch(Cycles from, Cycles to) const {
-    for (std::uint64_t c = from.value; tests_ > 0 && c < to.value + kSomewhatLater; c += 32) {
+    const std::uint64_t end = clock_.from_core(to).value + kSomewhatLater;
+    const std::uint64_t most = end - std::min(end, ring_mask_);
+    for (std::uint64_t c = std::max(clock_.from_core(from).value, most); tests_ > 0 && c < end;
+         c += 64 / sizeof busy_[0]) {
       __builtin_prefetch(&busy_[c & ring_mask_], 1);
     }
   }
