@@ -13,7 +13,6 @@ std::uint32_t share(std::uint32_t total, std::uint32_t index, std::uint32_t unit
   return total / units + (index < total % units ? 1 : 0);
 }
 
-constexpr std::ptrdiff_t kOpsPerHostLine = 64 / sizeof(LaneOp);
 constexpr Cycles kTestsAhead{128}, kTestsFarAhead{1024};
 // Of a warp: two for each ray.
 constexpr std::size_t kSharedLines = 64;

@@ -7,7 +7,8 @@
 //
 // Whatever a lane does alone is worked out as soon as its start is known: when the last sector is
 // found in L1, the tests on it are reserved at once and the lane has one appointment, at its next
-// fetch. The port sends what is queued for the next few cycles in one appointment.
+// fetch. The port sends what is queued for the next few cycles in one appointment; in the model
+// "reserved" there is no queue, and a lane's lines are sent as it asks for them.
 #pragma once
 
 #include <array>
@@ -110,6 +111,7 @@ class RtEngine final : public Component, public L1Client {
   };
   static constexpr std::uint32_t kNear = 64;
   static constexpr std::uint32_t kSlotBits = 6;
+  static constexpr std::ptrdiff_t kOpsPerHostLine = 64 / sizeof(LaneOp);
   struct Slot {
     std::uint32_t index = 0;  // in slots_
     std::uint32_t rank = 0;   // by age among the resident warps
