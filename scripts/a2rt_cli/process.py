@@ -110,13 +110,19 @@ def run_logged(
         raise ProgramFailed(f"{what} {describe_status(status)}", status, shown, remedy, log)
 
 
+# Run by sh: $0 is our process. Killed before the child could ask to end with us, we are its parent
+# no longer.
+_UNLESS_ORPHANED = '[ "$PPID" = "$0" ] && exec "$@"'
+
+
 def _ends_with_us(command: Sequence[str]) -> list[str]:
     """The kernel ends the child if we are killed outright, so that it writes into no later run."""
     setpriv = shutil.which("setpriv")
     found = shutil.which(command[0])
     if setpriv is None or found is None:
         return list(command)
-    return [setpriv, "--pdeathsig", "KILL", "--", *command]
+    check = ["sh", "-c", _UNLESS_ORPHANED, str(os.getpid())]
+    return [setpriv, "--pdeathsig", "KILL", "--", *check, *command]
 
 
 def end_group(child: subprocess.Popen) -> None:

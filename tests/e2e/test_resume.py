@@ -61,7 +61,7 @@ def kill_at(folder: Path, moment: Callable[[Path], bool]) -> None:
 
 
 def left_running(folder: Path) -> list[str]:
-    """Processes that still work on files of `folder`."""
+    """Processes that still work in `folder`, those just forked included."""
     found = []
     for entry in Path("/proc").glob("[0-9]*/cmdline"):
         try:
@@ -69,7 +69,7 @@ def left_running(folder: Path) -> list[str]:
             place = (entry.parent / "cwd").readlink()
         except OSError:
             continue  # ended meanwhile
-        if place == folder and ("a2rt-core" in words or "a2rt-render" in words):
+        if place == folder:
             found.append(words)
     return found
 
