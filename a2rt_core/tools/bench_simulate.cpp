@@ -10,6 +10,7 @@
 #include "a2rt/base/thread_clock.h"
 #include "a2rt/energy/fair_testers.h"
 #include "a2rt/energy/ledger.h"
+#include "a2rt/timing/compiled_rays.h"
 #include "a2rt/timing/simulator.h"
 #include "a2rt/timing/unit_source.h"
 #include "a2rt/workload/file.h"
@@ -38,22 +39,39 @@ double walk_seconds(const Workload& workload, timing::RaySource& source) {
 }
 
 struct Rate {
+  const char* model;
+  bool traversed;  // false: the rays had been traversed and compiled by another run
   double seconds = 0;
   timing::SimulationResult result;
   double rays_per_second() const { return static_cast<double>(result.rays()) / seconds; }
 };
 
 // The fastest of some runs in one model.
-Rate rate_of(timing::Model model, const Options& options, const Workload& workload,
+Rate rate_of(timing::Model model, bool traversed, const Options& options, const Workload& workload,
              timing::RaySource& source, timing::MachineConfig machine) {
   machine.model = model;
-  Rate rate;
+  Rate rate{model == timing::Model::kQueued ? "queued" : "reserved", traversed, 0, {}};
   for (std::uint32_t i = 0; i < options.repeats; ++i) {
     rate.result = timing::simulate(workload, source, machine);
     const double seconds = rate.result.host_seconds;
     rate.seconds = i == 0 ? seconds : std::min(rate.seconds, seconds);
   }
   return rate;
+}
+
+std::vector<Rate> rates_of(const Options& options, const Workload& workload,
+                           timing::RaySource& source, const timing::MachineConfig& machine) {
+  const auto measure = [&](timing::Model model, bool traversed, timing::RaySource& from) {
+    return rate_of(model, traversed, options, workload, from, machine);
+  };
+  std::vector<Rate> rates;
+  rates.push_back(measure(timing::Model::kQueued, true, source));
+  rates.push_back(measure(timing::Model::kReserved, true, source));
+  timing::RepeatedRays repeated(source, workload.rays.size());
+  timing::simulate(workload, repeated, machine);  // keeps the rays
+  rates.push_back(measure(timing::Model::kQueued, false, repeated));
+  rates.push_back(measure(timing::Model::kReserved, false, repeated));
+  return rates;
 }
 
 nlohmann::ordered_json bench_unit(const Options& options, const std::string& name,
@@ -69,32 +87,28 @@ nlohmann::ordered_json bench_unit(const Options& options, const std::string& nam
   for (std::uint32_t i = 1; i < options.repeats; ++i) {
     walk = std::min(walk, walk_seconds(workload, source));
   }
-  const Rate queued = rate_of(timing::Model::kQueued, options, workload, source, machine);
-  const Rate reserved = rate_of(timing::Model::kReserved, options, workload, source, machine);
-  const auto rays = static_cast<double>(queued.result.rays());
-  const double error = static_cast<double>(reserved.result.cycles.value) /
-                           static_cast<double>(queued.result.cycles.value) -
-                       1;
-  std::printf(
-      "%-13s %9.0f rays/s simulated, of it the walk alone %9.0f rays/s (%2.0f %%)  %llu cycles\n"
-      "%-13s %9.0f rays/s with model = \"reserved\", %.2fx  %llu cycles (%+.1f %%)\n",
-      name.c_str(), queued.rays_per_second(), rays / walk, 100 * walk / queued.seconds,
-      static_cast<unsigned long long>(queued.result.cycles.value), "", reserved.rays_per_second(),
-      queued.seconds / reserved.seconds,
-      static_cast<unsigned long long>(reserved.result.cycles.value), 100 * error);
-  return {{"unit", name},
-          {"rays", queued.result.rays()},
-          {"seconds", queued.seconds},
-          {"rays_per_second", queued.rays_per_second()},
-          {"walk_seconds", walk},
-          {"walk_rays_per_second", rays / walk},
-          {"cycles", queued.result.cycles.value},
-          {"appointments", queued.result.appointments},
-          {"reserved",
-           {{"seconds", reserved.seconds},
-            {"rays_per_second", reserved.rays_per_second()},
-            {"cycles", reserved.result.cycles.value},
-            {"error", error}}}};
+  const std::vector<Rate> rates = rates_of(options, workload, source, machine);
+  const auto rays = static_cast<double>(rates.front().result.rays());
+  const auto cycles = static_cast<double>(rates.front().result.cycles.value);
+  nlohmann::ordered_json json = {{"unit", name},
+                                 {"rays", rates.front().result.rays()},
+                                 {"walk_seconds", walk},
+                                 {"walk_rays_per_second", rays / walk}};
+  std::printf("%-10s traversal alone %18.0f rays/s\n", name.c_str(), rays / walk);
+  for (const Rate& rate : rates) {
+    const double error = static_cast<double>(rate.result.cycles.value) / cycles - 1;
+    std::printf("%-10s %-9s %-16s %7.0f rays/s  %10llu cycles (%+.1f %%)\n", "", rate.model,
+                rate.traversed ? "with traversal" : "rays known", rate.rays_per_second(),
+                static_cast<unsigned long long>(rate.result.cycles.value), 100 * error);
+    json["runs"].push_back({{"model", rate.model},
+                            {"traversed", rate.traversed},
+                            {"seconds", rate.seconds},
+                            {"rays_per_second", rate.rays_per_second()},
+                            {"cycles", rate.result.cycles.value},
+                            {"error", error},
+                            {"appointments", rate.result.appointments}});
+  }
+  return json;
 }
 
 int bench(const Options& options) {
@@ -114,7 +128,9 @@ int bench(const Options& options) {
 }
 
 const RegisterCommand kCommand(
-    "bench-simulate", "Rays per second of both timing models, for every unit",
+    "bench-simulate",
+    "Rays per second of both timing models, for every unit; rays traversed, or known from another "
+    "run",
     "  a2rt-core bench-simulate w.h5\n"
     "  a2rt-core bench-simulate w.h5 --units baseline,aqb8,a2rt --repeats 3 -o rates.json\n",
     [](cli::Options& app) {

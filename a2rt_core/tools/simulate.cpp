@@ -9,11 +9,8 @@
 #include <vector>
 
 #include "a2rt/base/text_file.h"
-#include "a2rt/energy/fair_testers.h"
-#include "a2rt/energy/ledger.h"
-#include "a2rt/energy/qbox_area.h"
-#include "a2rt/rt/a2rt_precision.h"
 #include "a2rt/rt/result_json.h"
+#include "a2rt/timing/compiled_rays.h"
 #include "a2rt/timing/result_json.h"
 #include "a2rt/timing/sampling.h"
 #include "a2rt/timing/simulator.h"
@@ -24,7 +21,7 @@
 #include "parts_json.h"
 #include "progress.h"
 #include "simulate_print.h"
-#include "unit_option.h"
+#include "timed_unit.h"
 
 namespace a2rt::tools {
 namespace {
@@ -152,9 +149,9 @@ void add_shares(nlohmann::ordered_json& json, const timing::SimulationResult& re
   json["fig2"] = fig2;
 }
 
-nlohmann::ordered_json config_json(const UnitChoice& unit, const GpuChoice& gpu,
+nlohmann::ordered_json config_json(const config::Section& unit, const GpuChoice& gpu,
                                    const timing::MachineConfig& machine) {
-  nlohmann::ordered_json json = rt::config_json(unit.section);
+  nlohmann::ordered_json json = rt::config_json(unit);
   for (const config::ParameterDoc& p : gpu.section.describe()) {
     json["gpu." + p.key] = p.value;
   }
@@ -163,18 +160,6 @@ nlohmann::ordered_json config_json(const UnitChoice& unit, const GpuChoice& gpu,
          ".count"] = machine.rt.testers[t].count;
   }
   return json;
-}
-
-// The table as the testers of an A2RT of this precision cost.
-energy::EnergyTable a2rt_table(const energy::EnergyTable& table, const std::string& name,
-                               const config::Section& unit) {
-  return energy::for_precision(table, rt::read_a2rt_precision(unit, rt::default_origin(name)));
-}
-
-// What "same area" means: the engine of the unit a2rt as configured.
-double yardstick_um2(const energy::EnergyTable& table) {
-  const UnitChoice a2rt = choose_unit("a2rt", "", {});
-  return energy::engine_area_um2(a2rt_table(table, a2rt.unit->info().name, a2rt.section));
 }
 
 nlohmann::ordered_json area_json(const energy::TesterArea& area, energy::Design design,
@@ -193,49 +178,32 @@ nlohmann::ordered_json area_json(const energy::TesterArea& area, energy::Design 
   return json;
 }
 
-// A machine without the testers that nothing in the workload calls for.
-void leave_out(const Parts& parts, timing::MachineConfig& machine) {
-  if (!parts.has(Part::kTransformUnit)) {
-    machine.rt.tester(timing::Tester::kTransform).count = 0;
-  }
-  if (!parts.has(Part::kTriangleTester)) {
-    machine.rt.tester(timing::Tester::kTriangle).count = 0;
-  }
-}
-
 int simulate(const Options& options) {
   const SplitSettings settings = split_settings(options.set);
-  UnitChoice choice = choose_unit(options.unit, options.unit_config, settings.unit);
+  const TimedUnit timed(options.unit, options.unit_config, settings.unit, options.energy_table);
   const GpuChoice gpu = choose_gpu(options.gpu, settings.gpu);
   ReadOptions read;
   read.driver_nodes = false;
   const Workload workload = read_workload(options.workload, read);
-  RtUnit& unit = *choice.unit;
-  const std::string name = unit.info().name;
-  const energy::Design design = unit.info().testers;
-  const auto published = energy::EnergyTable::from_file(
-      options.energy_table.empty() ? A2RT_ENERGY_FOLDER "/12nm.csv" : options.energy_table);
-  const energy::EnergyTable table =
-      design == energy::Design::kA2rt ? a2rt_table(published, name, choice.section) : published;
+  RtUnit& unit = timed.unit();
   const energy::Comparison comparison = energy::comparison_of(options.comparison);
-  timing::MachineConfig machine = gpu.machine;
-  const energy::TesterArea area =
-      energy::apply_comparison(comparison, design, yardstick_um2(published), table, machine);
   const Parts called_for = parts_called_for(workload);
   const Parts parts = options.parts == "all" ? Parts::all() : called_for;
-  leave_out(parts, machine);
+  timing::MachineConfig machine = gpu.machine;
+  const energy::TesterArea area = timed.equip(machine, comparison, parts);
   Run done;
   {
     Progress progress;
-    progress.show(0, "building " + name);
+    progress.show(0, "building " + unit.info().name);
     unit.build(workload);
     timing::UnitSource source(unit, workload);
-    done = run(options, workload, source, machine, progress);
+    timing::RepeatedRays repeated(source, workload.rays.size());
+    const bool twice = options.sample_check && options.sample < 1;
+    done = run(options, workload, twice ? static_cast<timing::RaySource&>(repeated) : source,
+               machine, progress);
   }
   const timing::SimulationResult& result = done.result;
-  const energy::Ledger ledger = energy::make_ledger(energy::actions_of(result, design),
-                                                    energy::instances_of(result, machine, design),
-                                                    result.milliseconds, table);
+  const energy::Ledger ledger = timed.ledger(result, machine);
   print_simulation(unit.info().title, result, machine, ledger, done.estimate);
   if (!options.heatmap.empty()) {
     write_text_file(options.heatmap, npy(result));
@@ -251,13 +219,13 @@ int simulate(const Options& options) {
                  {"core_mhz", machine.core_mhz},
                  {"sms", machine.sm.count},
                  {"comparison", energy::comparison_name(comparison)}};
-  json["config"] = config_json(choice, gpu, machine);
+  json["config"] = config_json(timed.section(), gpu, machine);
   json["parts"] = parts_json(called_for, parts);
   json["structure"] = rt::structure_json(unit.structure());
   json["events"] = timing::events_json(result);
   json["memory"] = timing::memory_json(result);
   json["time"] = timing::time_json(result, machine);
-  json["area"] = area_json(area, design, table);
+  json["area"] = area_json(area, timed.design(), timed.table());
   json["energy"] = energy::ledger_json(ledger);
   add_shares(json, result, unit.structure());
   if (options.sample < 1) {

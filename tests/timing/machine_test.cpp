@@ -20,30 +20,6 @@ std::uint64_t total(const TrafficCounts& counts) {
   return sum;
 }
 
-// Pseudo-random but repeatable events: fetches over 4 MB, node and triangle tests, a stack.
-class NoisySource final : public RaySource {
- public:
-  void events(std::uint32_t ray, EventReceiver& to) override {
-    std::uint64_t s = ray * 0x9e3779b97f4a7c15u + 1;
-    const auto next = [&] { return s = s * 6364136223846793005u + 1442695040888963407u, s >> 33; };
-    std::vector<Event> out;
-    const std::uint64_t steps = 4 + next() % 20;
-    for (std::uint64_t i = 0; i < steps; ++i) {
-      // One by one: compilers differ in the order of arguments.
-      const auto bytes = static_cast<std::uint32_t>(56 + next() % 200);
-      out.push_back(fetch(next() % (1 << 22) / 16 * 16, bytes));
-      out.push_back(count_event(EventKind::kBoxTest, 6));
-      out.push_back(count_event(EventKind::kPush, 3));
-      if (next() % 3 == 0) {
-        out.push_back(fetch((1 << 23) + next() % (1 << 20) * 36, 36, Traffic::kTriangle));
-        out.push_back(count_event(EventKind::kTriangleTest));
-      }
-      out.push_back(count_event(EventKind::kPop));
-    }
-    send(out, to);
-  }
-};
-
 struct Machine : InBothModels {
   static MachineConfig table1() {
     MachineConfig config;

@@ -90,6 +90,16 @@ struct Shape {
 };
 void PrintTo(const Shape& s, std::ostream* out) { *out << s.sets << " sets of " << s.ways; }
 
+// insert() in two steps; the line must be where that says.
+std::optional<Victim> enter(TagStore& uut, Cycles now, Address line, SectorMask sectors,
+                            Traffic kind, bool dirty) {
+  const Held before = uut.look(line);
+  const Entered entered = uut.enter(now, before, line, sectors, kind, dirty);
+  EXPECT_EQ(uut.look(line).place, entered.place);
+  EXPECT_TRUE(before.valid == 0 || before.place == entered.place);
+  return entered.victim;
+}
+
 class Tags : public ::testing::TestWithParam<Shape> {};
 
 TEST_P(Tags, hits_victims_and_what_is_held_are_those_of_a_list_per_set) {
@@ -111,14 +121,23 @@ TEST_P(Tags, hits_victims_and_what_is_held_are_those_of_a_list_per_set) {
     const auto sectors = static_cast<SectorMask>(masks(random));
     const Address address{line * kLineBytes};
     const unsigned what = dice(random);
-    if (what < 6) {
+    if (what < 3) {
       ASSERT_EQ(uut.touch(address, sectors), model.touch(line, sectors)) << "step " << now;
+    } else if (what < 6) {
+      const Held held = uut.look(address);
+      ASSERT_EQ(held.valid, model.valid(line)) << "step " << now;
+      ASSERT_LE(held.place, uut.places());
+      if (const auto found = static_cast<SectorMask>(held.valid & sectors); found != 0) {
+        uut.use(address, held.place);
+      }
+      model.touch(line, sectors);
     } else {
       const auto kind = static_cast<Traffic>(kinds(random));
       const bool filled = what < 8, dirty = !filled && dice(random) < 3;
       const auto fresh = filled ? static_cast<SectorMask>(sectors & ~model.valid(line)) : sectors;
-      const auto got = filled ? uut.fill(Cycles{now}, address, sectors, kind)
-                              : uut.insert(Cycles{now}, address, sectors, kind, dirty);
+      const auto got = filled             ? uut.fill(Cycles{now}, address, sectors, kind)
+                       : dice(random) < 5 ? uut.insert(Cycles{now}, address, sectors, kind, dirty)
+                                          : enter(uut, Cycles{now}, address, sectors, kind, dirty);
       const auto want = fresh == 0 ? std::nullopt : model.insert(line, fresh, kind, dirty);
       ASSERT_EQ(got.has_value(), want.has_value()) << "step " << now;
       if (got) {

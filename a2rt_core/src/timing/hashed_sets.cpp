@@ -58,7 +58,7 @@ Victim HashedSets::evict(Cycles now, Set& set, SectorResidence& residence) {
 }
 
 // Finds the line a place that is free.
-HashedSets::Place HashedSets::enter(std::uint64_t line) {
+HashedSets::Place HashedSets::find_room(std::uint64_t line) {
   std::uint32_t b = home(line);
   std::uint32_t free = buckets_[b].matches(kUnused);
   while (free == 0) {
@@ -80,9 +80,8 @@ void HashedSets::leave(Place place) {
   bucket.set_line(place.i, kUnused);
 }
 
-std::optional<Victim> HashedSets::put(Cycles now, Place place, std::uint64_t line,
-                                      SectorMask sectors, Traffic kind, bool dirty,
-                                      SectorResidence& residence) {
+Entered HashedSets::put(Cycles now, Place place, std::uint64_t line, SectorMask sectors,
+                        Traffic kind, bool dirty, SectorResidence& residence) {
   Set& set = sets_[wrap_.of(line)];
   std::optional<Victim> victim;
   if (place.found) {
@@ -93,7 +92,7 @@ std::optional<Victim> HashedSets::put(Cycles now, Place place, std::uint64_t lin
     } else {
       ++set.lines;
     }
-    place = enter(line);
+    place = find_room(line);
   }
   Bucket& bucket = buckets_[place.bucket];
   Sectors& held = bucket.sectors[place.i];
@@ -103,7 +102,7 @@ std::optional<Victim> HashedSets::put(Cycles now, Place place, std::uint64_t lin
     held.dirty = (held.dirty | sectors) & 0xf;
   }
   append(set, place);
-  return victim;
+  return {place.bucket * kRoom + place.i, victim};
 }
 
 }  // namespace a2rt::timing

@@ -7,8 +7,6 @@
 namespace a2rt::timing {
 namespace {
 
-constexpr std::size_t kLinesFromBelow = 256;
-
 // The lowest `n` sectors of the mask.
 SectorMask lowest(SectorMask mask, std::uint32_t n) {
   if (n >= kSectorsPerLine) [[likely]] {
@@ -42,7 +40,7 @@ L1Cache::L1Cache(const L1Config& config, LowerLevel& lower, std::uint32_t sm)
       reserves_(lower.answers_at_once()),
       tags_(config.capacity, config.ways, "l1"),
       banks_(config.banks),
-      coming_(kLinesFromBelow),
+      ahead_(reserves_ ? tags_.places() + 1 : 0),
       in_flight_(reserves_ ? config.mshrs : 1) {
   buckets_.fill(kNil);
 }
@@ -183,14 +181,44 @@ void L1Cache::miss(Cycles now, Port& port, Address line, SectorMask missing, Tra
   }
 }
 
-Cycles L1Cache::miss_ahead(Cycles leaves, Cycles looked_up, Address line, SectorMask missing,
-                           Traffic kind) {
+// Puts sectors into a line of the tags, which may be a new one.
+L1Cache::Ahead& L1Cache::enter_ahead(Cycles now, Held held, Address line, SectorMask sectors,
+                                     Traffic kind, bool dirty) {
+  const Entered entered = tags_.enter(now, held, line, sectors, kind, dirty);
+  count_victim(now, entered.victim);
+  Ahead& ahead = ahead_[entered.place];
+  if (entered.place != held.place) {
+    ahead = {};
+  }
+  return ahead;
+}
+
+// Some of the sectors miss, or data of the line is on its way.
+Cycles L1Cache::wait_for_below(Cycles leaves, Cycles looked_up, Held held, Address line,
+                               SectorMask sectors, Traffic kind) {
+  const auto k = static_cast<std::size_t>(kind);
+  const auto present = static_cast<SectorMask>(held.valid & sectors);
+  const Arrival coming = ahead_[held.place].from_below.after(looked_up, 0);
+  const auto merged = static_cast<SectorMask>(present & coming.sectors());
+  counts_.merges[k] += sectors_in(merged);
+  counts_.hits[k] += sectors_in(static_cast<SectorMask>(present ^ merged));
+  const Cycles ready = merged != 0 ? coming.there() : looked_up;
+  if (present != 0) {
+    tags_.use(line, held.place);
+  }
+  const auto missing = static_cast<SectorMask>(sectors ^ present);
+  return missing == 0 ? ready
+                      : std::max(ready, miss_ahead(leaves, looked_up, held, line, missing, kind));
+}
+
+Cycles L1Cache::miss_ahead(Cycles leaves, Cycles looked_up, Held held, Address line,
+                           SectorMask missing, Traffic kind) {
   const std::uint32_t n = sectors_in(missing);
   if (n > config_.mshrs) [[unlikely]] {
     Cycles last;
     for_each_bit(missing, [&](std::uint32_t s) {
-      last = std::max(last,
-                      miss_ahead(leaves, looked_up, line, static_cast<SectorMask>(1u << s), kind));
+      const auto one = static_cast<SectorMask>(1u << s);
+      last = std::max(last, miss_ahead(leaves, looked_up, tags_.look(line), line, one, kind));
     });
     return last;
   }
@@ -201,28 +229,28 @@ Cycles L1Cache::miss_ahead(Cycles leaves, Cycles looked_up, Address line, Sector
   counts_.mshr_full += begin > leaves;
   const Cycles there = lower_.read(begin, sm_, line, missing, kind) + Cycles{n - 1};
   in_flight_.add(n, there);
-  coming_.obtain(looked_up, line_of(line)).add(looked_up, missing, there);
-  count_victim(looked_up, tags_.fill(looked_up, line, missing, kind));
+  Arrival& from_below = enter_ahead(looked_up, held, line, missing, kind, false).from_below;
+  from_below = from_below.after(looked_up, 0).with(0, missing, there);
   return std::max(looked_up, there);
 }
 
-// When the first of the sectors leaves for the levels below.
-Cycles L1Cache::enter_for_write(Cycles now, Port& port, Address line, SectorMask sectors) {
-  if (reserves_) {
-    const std::uint32_t n = sectors_in(sectors);
-    return departure_of(port.send(now, n), n);
-  }
+void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind) {
   SectorTimes sent{};
   banks_.advance(now);
   enter(now, port, line, sectors, sent);
-  return departure(sectors, sent);
+  write_from(departure(sectors, sent), now, line, sectors, kind);
 }
 
-void L1Cache::write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind) {
-  const Cycles leaves = enter_for_write(now, port, line, sectors);
+// The first of the sectors leaves for the levels below at `leaves`, if they have to know.
+void L1Cache::write_from(Cycles leaves, Cycles now, Address line, SectorMask sectors,
+                         Traffic kind) {
   counts_.writes[static_cast<std::size_t>(kind)] += sectors_in(sectors);
   if (kind == Traffic::kStack) {
-    count_victim(now, tags_.insert(now, line, sectors, kind, true));
+    if (reserves_) {
+      enter_ahead(now, tags_.look(line), line, sectors, kind, true);
+    } else {
+      count_victim(now, tags_.insert(now, line, sectors, kind, true));
+    }
   } else {
     // Valid copies take the new data on the way down, so their state does not change.
     lower_.request(leaves, sm_, line, sectors, kind, true);

@@ -55,6 +55,14 @@ void LaneCompiler::begin(Address spill, LaneOps& out) {
   stack_ = spilled_ = contexts_ = contexts_spilled_ = 0;
 }
 
+void LaneCompiler::count_again(const std::uint32_t* numbers) {
+  auto all = LaneOpCounts::as_numbers(counts_);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i] += numbers[i];
+  }
+  counts_ = LaneOpCounts::of_numbers(all);
+}
+
 void LaneCompiler::fetch(Traffic traffic, Address address, std::uint32_t bytes) {
   count(EventKind::kFetch);
   if (traffic == Traffic::kResult) [[unlikely]] {

@@ -18,12 +18,11 @@ PackedSets::PackedSets(std::uint64_t sets, std::uint32_t ways)
   }
 }
 
-std::optional<Victim> PackedSets::insert(Cycles now, std::uint64_t line, SectorMask sectors,
-                                         Traffic kind, bool dirty, SectorResidence& residence) {
+Entered PackedSets::put(Cycles now, std::uint32_t way, std::uint64_t line, SectorMask sectors,
+                        Traffic kind, bool dirty, SectorResidence& residence) {
   const std::size_t index = wrap_.of(line);
   Set& set = sets_[index];
   std::optional<Victim> victim;
-  std::uint32_t way = find(set, line);
   if (way == kNoWay) {
     way = find_byte(set.rank, oldest_rank_,
                     [&](std::uint32_t w) { return set.rank[w] == oldest_rank_; });
@@ -42,7 +41,7 @@ std::optional<Victim> PackedSets::insert(Cycles now, std::uint64_t line, SectorM
     set.dirty[way] |= sectors;
   }
   make_newest(set, way);
-  return victim;
+  return {static_cast<std::uint32_t>(index * kMostWays + way), victim};
 }
 
 }  // namespace a2rt::timing

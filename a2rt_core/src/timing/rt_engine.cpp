@@ -14,8 +14,6 @@ std::uint32_t share(std::uint32_t total, std::uint32_t index, std::uint32_t unit
 }
 
 constexpr Cycles kTestsAhead{128}, kTestsFarAhead{1024};
-// Of a warp: two for each ray.
-constexpr std::size_t kSharedLines = 64;
 
 }  // namespace
 
@@ -30,9 +28,9 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
       slots_(config.rt.warps),
       port_(config.rt.port_sectors, ClockDomain(config.rt.mhz, config.core_mhz)),
       reserves_(config.model == Model::kReserved),
-      on_its_way_(std::bit_ceil(kSharedLines * config.rt.warps)),
-      compiler_(config.rt) {
-  A2RT_CHECK(slots_.size() <= 1u << kSlotBits,
+      compiler_(config.rt),
+      compiled_(source.compiled(config.rt)) {
+  A2RT_CHECK(slots_.size() <= Arrival::kReceivers,
              "an RT unit has more places for warps than asking_ has bits");
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     slots_[i].index = static_cast<std::uint32_t>(i);
@@ -78,7 +76,7 @@ void RtEngine::accept(Cycles now, std::uint32_t warp, LaneRays rays) {
 void RtEngine::compile(Cycles now, Slot& slot, const LaneRays& rays) {
   for (const std::uint32_t ray : rays) {
     if (ray != kNone) {
-      source_.prefetch(ray);
+      prefetch_ray(ray);
     }
   }
   std::array<std::size_t, kLanes> first{};
@@ -88,16 +86,55 @@ void RtEngine::compile(Cycles now, Slot& slot, const LaneRays& rays) {
     slot.lanes[l].started = now;
     first[l] = slot.ops.size();
     if (rays[l] != kNone) {
-      compiler_.begin(spill_memory(slot, l), slot.ops);
-      source_.events(rays[l], compiler_);
-      compiler_.end();
+      slot.lanes[l].op = compile_ray(rays[l], spill_memory(slot, l), slot.ops);
       ++slot.active;
       ++counts_.rays;
     }
   }
   for (std::uint32_t l = 0; l < kLanes; ++l) {
-    slot.lanes[l].op = slot.ops.data() + first[l];
+    if (slot.lanes[l].op == nullptr) {
+      slot.lanes[l].op = slot.ops.data() + first[l];
+    }
   }
+}
+
+void RtEngine::prefetch_ray(std::uint32_t ray) const {
+  if (compiled_ != nullptr && compiled_->find(ray).ops != nullptr) {
+    compiled_->prefetch(compiled_->find(ray));
+  } else {
+    source_.prefetch(ray);
+  }
+}
+
+// The ray's operations where they are kept; or nullptr, and they are appended to `ops`.
+const LaneOp* RtEngine::compile_ray(std::uint32_t ray, Address spill, LaneOps& ops) {
+  if (compiled_ == nullptr) {
+    compile_events(ray, spill, ops);
+    return nullptr;
+  }
+  const CompiledRays::Ray& kept = compiled_->find(ray);
+  if (kept.ops == nullptr) {
+    const LaneOpCounts before = compiler_.counts();
+    const std::size_t first = ops.size();
+    compile_events(ray, spill, ops);
+    compiled_->keep(ray, ops.data() + first, ops.size() - first, spill, before, compiler_.counts());
+    return nullptr;
+  }
+  compiler_.count_again(kept.counts);
+  if (!kept.spills) {
+    return kept.ops;
+  }
+  for (std::uint32_t i = 0; i < kept.size; ++i) {
+    const LaneOp op = kept.ops[i];
+    ops.push_back(op.names_spill_memory() ? op.moved(Address{0}, spill) : op);
+  }
+  return nullptr;
+}
+
+void RtEngine::compile_events(std::uint32_t ray, Address spill, LaneOps& ops) {
+  compiler_.begin(spill, ops);
+  source_.events(ray, compiler_);
+  compiler_.end();
 }
 
 void RtEngine::set_state(Cycles now, Lane& lane, LaneState state) {
@@ -407,7 +444,9 @@ void RtEngine::account_cycles(Cycles now) {
     std::uint64_t tests = 0;
     if (reserves_) {
       tests = testing_.take_without(now, sending_);
-      attribution_.until(attribution_.booked() + Cycles{sending_.take(now)}, RtReason::kFetch);
+      const Cycles sent{sending_.take(now)};
+      port_series_.add(attribution_.booked(), attribution_.booked() + sent, 1);
+      attribution_.until(attribution_.booked() + sent, RtReason::kFetch);
     } else {
       tests = testing_.take(now);
     }

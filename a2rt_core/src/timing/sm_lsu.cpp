@@ -38,11 +38,11 @@ void Sm::access_ahead(Cycles now, Warp& warp, std::uint32_t ordinal, bool write)
       warp.addresses, [&](std::uint64_t line, SectorMask sectors) __attribute__((always_inline)) {
         counts_.lsu_sectors += sectors_in(sectors);
         const Address address{line * kLineBytes};
+        const Port::Sent sent = lsu_port_.send(now, sectors_in(sectors));
         if (write) {
-          l1_.write(now, lsu_port_, address, sectors, Traffic::kShader);
+          l1_.write_ahead(now, sent, address, sectors, Traffic::kShader);
         } else {
-          warp.data = std::max(warp.data,
-                               l1_.read_ahead(now, lsu_port_, address, sectors, Traffic::kShader));
+          warp.data = std::max(warp.data, l1_.read_ahead(sent, address, sectors, Traffic::kShader));
         }
       });
   calendar_.promise(warp.data);

@@ -64,9 +64,8 @@ class BusyCycles {
     }
     const std::uint64_t marks = ~std::uint64_t{0} >> (64 - n), bit = at % 64;
     words_[at / 64 % words_.size()] |= marks << bit;
-    if (bit + n > 64) {
-      words_[(at / 64 + 1) % words_.size()] |= marks >> (64 - bit);
-    }
+    // Mostly nothing; a branch would be taken now and then.
+    words_[(at / 64 + 1) % words_.size()] |= marks >> 1 >> (63 - bit);
   }
   // Cycles marked in [end of the last call, to).
   A2RT_INLINE std::uint64_t take(Cycles to) {

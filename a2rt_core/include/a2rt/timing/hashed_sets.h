@@ -40,14 +40,24 @@ class HashedSets {
     }
     return found;
   }
-  SectorMask valid(std::uint64_t line) const {
+  SectorMask valid(std::uint64_t line) const { return look(line).valid; }
+  std::uint32_t places() const { return (bucket_mask_ + 1) * kRoom; }
+  std::uint32_t guess(std::uint64_t line) const { return home(line) * kRoom; }
+  Held look(std::uint64_t line) const {
     const Place place = find(line);
-    return place.found ? buckets_[place.bucket].sectors[place.i].valid : SectorMask{0};
+    return place.found
+               ? Held{place.bucket * kRoom + place.i, buckets_[place.bucket].sectors[place.i].valid}
+               : Held{places(), 0};
+  }
+  void use(std::uint64_t line, std::uint32_t number) {
+    const Place place{number / kRoom, number % kRoom, true};
+    strike_out(place);
+    append(sets_[wrap_.of(line)], place);
   }
   void prefetch(std::uint64_t line) const { __builtin_prefetch(&buckets_[home(line)]); }
   std::optional<Victim> insert(Cycles now, std::uint64_t line, SectorMask sectors, Traffic kind,
                                bool dirty, SectorResidence& residence) {
-    return put(now, find(line), line, sectors, kind, dirty, residence);
+    return put(now, find(line), line, sectors, kind, dirty, residence).victim;
   }
   std::optional<Victim> fill(Cycles now, std::uint64_t line, SectorMask sectors, Traffic kind,
                              SectorResidence& residence) {
@@ -58,7 +68,12 @@ class HashedSets {
         return std::nullopt;
       }
     }
-    return put(now, place, line, sectors, kind, false, residence);
+    return put(now, place, line, sectors, kind, false, residence).victim;
+  }
+  Entered enter(Cycles now, std::uint32_t number, std::uint64_t line, SectorMask sectors,
+                Traffic kind, bool dirty, SectorResidence& residence) {
+    const Place place{number / kRoom, number % kRoom, number < places()};
+    return put(now, place, line, sectors, kind, dirty, residence);
   }
 
  private:
@@ -121,11 +136,10 @@ class HashedSets {
       }
     }
   }
-  A2RT_NOINLINE std::optional<Victim> put(Cycles now, Place place, std::uint64_t line,
-                                          SectorMask sectors, Traffic kind, bool dirty,
-                                          SectorResidence& residence);
+  A2RT_NOINLINE Entered put(Cycles now, Place place, std::uint64_t line, SectorMask sectors,
+                            Traffic kind, bool dirty, SectorResidence& residence);
   Victim evict(Cycles now, Set& set, SectorResidence& residence);
-  Place enter(std::uint64_t line);
+  Place find_room(std::uint64_t line);
   void leave(Place place);
 
   void strike_out(Place place) {

@@ -23,8 +23,9 @@
 #include <vector>
 
 #include "a2rt/base/inline.h"
+#include "a2rt/timing/arrival.h"
 #include "a2rt/timing/budget.h"
-#include "a2rt/timing/coming_lines.h"
+#include "a2rt/timing/in_flight.h"
 #include "a2rt/timing/machine_config.h"
 #include "a2rt/timing/memory_port.h"
 #include "a2rt/timing/tag_store.h"
@@ -57,12 +58,25 @@ class L1Cache final : public LineSink {
   Lookup read(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind,
               L1Client& client, std::uint32_t token);
   void write(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind);
-  // Model "reserved": the sectors have their turn at the port, whenever that is, after what was
-  // read or written through it before; they are looked up now, and what misses reserves its way
-  // through the levels below. Returns the cycle in which all of them can be used.
-  Cycles read_ahead(Cycles now, Port& port, Address line, SectorMask sectors, Traffic kind);
+  // Model "reserved": the sectors are looked up now, and what misses reserves its way through the
+  // levels below. Returns the cycle in which all of them can be used. `send(n)` gives n sectors
+  // their turn at the port, whenever that is, and returns a Port::Sent. What is on its way to the
+  // sharer (below Arrival::kReceivers) who asked for the line last is not sent again for it.
+  template <class Send>
+  Cycles read_ahead(Cycles now, std::uint32_t sharer, Address line, SectorMask sectors,
+                    Traffic kind, const Send& send);
+  // The same for who shares nothing.
+  Cycles read_ahead(Port::Sent sent, Address line, SectorMask sectors, Traffic kind);
+  void write_ahead(Cycles now, Port::Sent sent, Address line, SectorMask sectors, Traffic kind) {
+    write_from(departure_of(sent, sectors_in(sectors)), now, line, sectors, kind);
+  }
   // The line will be read soon: brings what that touches into the host's caches.
-  void prefetch(Address line) const { tags_.prefetch(line); }
+  void prefetch(Address line) const {
+    tags_.prefetch(line);
+    if (reserves_) {
+      __builtin_prefetch(&ahead_[tags_.guess(line)], 1);
+    }
+  }
 
   void fill(Cycles now, Address line, SectorMask sectors) override;
 
@@ -104,13 +118,24 @@ class L1Cache final : public LineSink {
                                       SectorTimes& ready);
   A2RT_NOINLINE void miss(Cycles now, Port& port, Address line, SectorMask missing, Traffic kind,
                           L1Client& client, std::uint32_t token, Lookup& result);
-  A2RT_NOINLINE Cycles miss_ahead(Cycles leaves, Cycles looked_up, Address line, SectorMask missing,
-                                  Traffic kind);
+  // Of a line in the tags.
+  struct Ahead {
+    Arrival from_below;  // at the cache
+    Arrival to_sharer;
+  };
+  Ahead& enter_ahead(Cycles now, Held held, Address line, SectorMask sectors, Traffic kind,
+                     bool dirty);
+  Cycles look_up_ahead(Port::Sent sent, std::uint32_t n, Held held, Address line,
+                       SectorMask sectors, Traffic kind);
+  A2RT_NOINLINE Cycles wait_for_below(Cycles leaves, Cycles looked_up, Held held, Address line,
+                                      SectorMask sectors, Traffic kind);
+  Cycles miss_ahead(Cycles leaves, Cycles looked_up, Held held, Address line, SectorMask missing,
+                    Traffic kind);
   // When the first of so many sectors, which follow each other a cycle apart, can leave for below.
   Cycles departure_of(Port::Sent sent, std::uint32_t n) const {
     return std::max(sent.first + Cycles{n - 1}, sent.last) - Cycles{n - 1} + config_.latency;
   }
-  Cycles enter_for_write(Cycles now, Port& port, Address line, SectorMask sectors);
+  void write_from(Cycles leaves, Cycles now, Address line, SectorMask sectors, Traffic kind);
   std::uint32_t* find(std::uint64_t line);
   std::uint32_t obtain(std::uint64_t line, Traffic kind);
   void release(std::uint32_t& link);
@@ -135,7 +160,7 @@ class L1Cache final : public LineSink {
   std::uint32_t waiters_used_ = 0;
   std::vector<L1Client*> turned_away_;
   // Model "reserved".
-  ComingLines coming_;
+  std::vector<Ahead> ahead_;  // by the line's place; the last one is nobody's
   InFlight in_flight_;
   CacheCounts counts_;
 };
@@ -179,28 +204,41 @@ A2RT_INLINE L1Cache::Lookup L1Cache::read(Cycles now, Port& port, Address line, 
   return result;
 }
 
-A2RT_INLINE Cycles L1Cache::read_ahead(Cycles now, Port& port, Address line, SectorMask sectors,
-                                       Traffic kind) {
-  const std::uint32_t n = sectors_in(sectors);
+A2RT_INLINE Cycles L1Cache::look_up_ahead(Port::Sent sent, std::uint32_t n, Held held, Address line,
+                                          SectorMask sectors, Traffic kind) {
   const auto k = static_cast<std::size_t>(kind);
-  const Port::Sent sent = port.send(now, n);
   const Cycles looked_up = sent.last + config_.latency;
-  const SectorMask present = tags_.touch(line, sectors);
-  const ComingLines::Line* coming = coming_.find(line_of(line));
   counts_.reads[k] += n;
-  Cycles ready = looked_up;
-  SectorMask merged = 0;
-  if (coming != nullptr) {
-    merged = coming->coming(looked_up, present);
-    ready = merged != 0 ? coming->there() : ready;
-    counts_.merges[k] += sectors_in(merged);
+  const auto missing = static_cast<SectorMask>(sectors & ~held.valid);
+  const Arrival& from_below = ahead_[held.place].from_below;
+  if (missing != 0 || from_below.there() > looked_up) [[unlikely]] {
+    return wait_for_below(departure_of(sent, n), looked_up, held, line, sectors, kind);
   }
-  counts_.hits[k] += sectors_in(static_cast<SectorMask>(present & ~merged));
-  if (present == sectors) [[likely]] {
-    return ready;
+  counts_.hits[k] += n;
+  tags_.use(line, held.place);
+  return looked_up;
+}
+
+A2RT_INLINE Cycles L1Cache::read_ahead(Port::Sent sent, Address line, SectorMask sectors,
+                                       Traffic kind) {
+  return look_up_ahead(sent, sectors_in(sectors), tags_.look(line), line, sectors, kind);
+}
+
+template <class Send>
+A2RT_INLINE Cycles L1Cache::read_ahead(Cycles now, std::uint32_t sharer, Address line,
+                                       SectorMask sectors, Traffic kind, const Send& send) {
+  const Held held = tags_.look(line);
+  const Arrival known = ahead_[held.place].to_sharer.after(now, sharer);
+  const auto wanted = static_cast<SectorMask>(sectors & ~known.sectors());
+  if (wanted == 0) {
+    return known.there();
   }
-  const auto missing = static_cast<SectorMask>(sectors & ~present);
-  return std::max(ready, miss_ahead(departure_of(sent, n), looked_up, line, missing, kind));
+  const std::uint32_t n = sectors_in(wanted);
+  const Cycles there = look_up_ahead(send(n), n, held, line, wanted, kind);
+  const std::uint32_t place = held.place < tags_.places() ? held.place : tags_.look(line).place;
+  const Arrival all = known.with(sharer, wanted, there);
+  ahead_[place].to_sharer = all;
+  return wanted == sectors ? there : all.there();
 }
 
 }  // namespace a2rt::timing

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -66,6 +67,15 @@ class LaneOp {
   // With more sectors of the same line.
   LaneOp with(SectorMask sectors) const {
     return LaneOp(code(), bits_ | static_cast<std::uint64_t>(sectors) << 8);
+  }
+
+  // Spilled entries, in a ray's own memory.
+  bool names_spill_memory() const {
+    return (code() == Code::kRead || code() == Code::kStore) && kind() == Traffic::kStack;
+  }
+  // With the address as far from `to` as it is from `from`; both are at the start of a line.
+  LaneOp moved(Address from, Address to) const {
+    return LaneOp(code(), bits_ + ((to.value - from.value) / kLineBytes << kLineShift));
   }
 
   Code code() const { return static_cast<Code>(bits_ & 0xff); }
@@ -142,6 +152,15 @@ struct LaneOpCounts {
   std::uint64_t context_saves = 0, context_restores = 0;
   std::uint64_t context_spills = 0, context_fills = 0;  // contexts
   std::uint64_t context_refetches = 0, context_refetch_steps = 0;
+
+  // All of them in a row.
+  static constexpr std::size_t kNumbers =
+      static_cast<std::size_t>(EventKind::kCount) + 3 * kTrafficKinds + 12;
+  using Numbers = std::array<std::uint64_t, kNumbers>;
+  static Numbers as_numbers(const LaneOpCounts& counts) { return std::bit_cast<Numbers>(counts); }
+  static LaneOpCounts of_numbers(const Numbers& numbers) {
+    return std::bit_cast<LaneOpCounts>(numbers);
+  }
 };
 
 // Bytes of thread-private memory for what a lane spills.
@@ -155,6 +174,8 @@ class LaneCompiler final : public EventReceiver {
   // `spill`: where the lane's spill memory begins. Operations are appended to `out`, kEnd last.
   void begin(Address spill, LaneOps& out);
   void end() { out_->push_back(LaneOp::counted(LaneOp::Code::kEnd, 0)); }
+  // Counts a ray again whose operations are known: LaneOpCounts::kNumbers numbers.
+  void count_again(const std::uint32_t* numbers);
 
   // Records that touch, with no other event between them, are one read of the unit.
   void fetch(Traffic traffic, Address address, std::uint32_t bytes) override;

@@ -37,11 +37,19 @@ class PackedSets {
     }
     return found;
   }
-  SectorMask valid(std::uint64_t line) const {
-    const Set& set = sets_[wrap_.of(line)];
-    const std::uint32_t way = find(set, line);
-    return way == kNoWay ? SectorMask{0} : set.valid[way];
+  SectorMask valid(std::uint64_t line) const { return look(line).valid; }
+  std::uint32_t places() const { return static_cast<std::uint32_t>(kinds_.size()); }
+  Held look(std::uint64_t line) const {
+    const std::size_t index = wrap_.of(line);
+    const std::uint32_t way = find(sets_[index], line);
+    return way == kNoWay
+               ? Held{places(), 0}
+               : Held{static_cast<std::uint32_t>(index * kMostWays + way), sets_[index].valid[way]};
   }
+  std::uint32_t guess(std::uint64_t line) const {
+    return static_cast<std::uint32_t>(wrap_.of(line)) * kMostWays;
+  }
+  void use(std::uint32_t place) { make_newest(sets_[place / kMostWays], place % kMostWays); }
   void prefetch(std::uint64_t line) const {
     const Set& set = sets_[wrap_.of(line)];
     __builtin_prefetch(&set);
@@ -49,7 +57,15 @@ class PackedSets {
     __builtin_prefetch(&set.line[kMostWays / 2]);
   }
   std::optional<Victim> insert(Cycles now, std::uint64_t line, SectorMask sectors, Traffic kind,
-                               bool dirty, SectorResidence& residence);
+                               bool dirty, SectorResidence& residence) {
+    const std::uint32_t way = find(sets_[wrap_.of(line)], line);
+    return put(now, way, line, sectors, kind, dirty, residence).victim;
+  }
+  Entered enter(Cycles now, std::uint32_t place, std::uint64_t line, SectorMask sectors,
+                Traffic kind, bool dirty, SectorResidence& residence) {
+    const std::uint32_t way = place < places() ? place % kMostWays : kNoWay;
+    return put(now, way, line, sectors, kind, dirty, residence);
+  }
   std::optional<Victim> fill(Cycles now, std::uint64_t line, SectorMask sectors, Traffic kind,
                              SectorResidence& residence) {
     const auto fresh = static_cast<SectorMask>(sectors & ~valid(line));
@@ -67,6 +83,9 @@ class PackedSets {
     std::array<std::uint64_t, kMostWays> line{};
   };
 
+  // `way`: of the line, or kNoWay.
+  Entered put(Cycles now, std::uint32_t way, std::uint64_t line, SectorMask sectors, Traffic kind,
+              bool dirty, SectorResidence& residence);
   static std::uint8_t digest_of(std::uint64_t line) {
     return static_cast<std::uint8_t>(mixed(line) >> 56);
   }

@@ -7,6 +7,9 @@
 
 namespace a2rt::timing {
 
+class CompiledRays;
+struct RtConfig;
+
 class RaySource {
  public:
   virtual ~RaySource() = default;
@@ -14,6 +17,9 @@ class RaySource {
   virtual void prefetch(std::uint32_t /*ray*/) const {}
   // Sends the events of ray `ray` (index into Workload::rays) in program order.
   virtual void events(std::uint32_t ray, EventReceiver& out) = 0;
+  // Where rays compiled for such RT units are kept; nullptr: nowhere. Valid until others are asked
+  // for.
+  virtual CompiledRays* compiled(const RtConfig& /*config*/) { return nullptr; }
 };
 
 }  // namespace a2rt::timing

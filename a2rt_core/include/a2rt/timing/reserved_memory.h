@@ -14,6 +14,7 @@
 #include "a2rt/timing/clock.h"
 #include "a2rt/timing/coming_lines.h"
 #include "a2rt/timing/divider.h"
+#include "a2rt/timing/in_flight.h"
 #include "a2rt/timing/memory.h"
 #include "a2rt/timing/reserved_port.h"
 #include "a2rt/timing/tag_store.h"

@@ -20,7 +20,7 @@
 #include "a2rt/timing/attribution.h"
 #include "a2rt/timing/budget.h"
 #include "a2rt/timing/calendar.h"
-#include "a2rt/timing/coming_lines.h"
+#include "a2rt/timing/compiled_rays.h"
 #include "a2rt/timing/l1_cache.h"
 #include "a2rt/timing/lane_ops.h"
 #include "a2rt/timing/machine_config.h"
@@ -110,7 +110,6 @@ class RtEngine final : public Component, public L1Client {
     bool intersection = false;
   };
   static constexpr std::uint32_t kNear = 64;
-  static constexpr std::uint32_t kSlotBits = 6;
   static constexpr std::ptrdiff_t kOpsPerHostLine = 64 / sizeof(LaneOp);
   struct Slot {
     std::uint32_t index = 0;  // in slots_
@@ -130,6 +129,9 @@ class RtEngine final : public Component, public L1Client {
   };
   // Fetches and compiles the rays of a new warp.
   void compile(Cycles now, Slot& slot, const LaneRays& rays);
+  void prefetch_ray(std::uint32_t ray) const;
+  const LaneOp* compile_ray(std::uint32_t ray, Address spill, LaneOps& ops);
+  void compile_events(std::uint32_t ray, Address spill, LaneOps& ops);
   // The lane goes on in cycle `at`, which may be later than `now`.
   void run_lane(Cycles now, Cycles at, Slot& slot, std::uint32_t lane);
   Cycles run_tests(Cycles now, Cycles at, Lane& lane);
@@ -145,13 +147,9 @@ class RtEngine final : public Component, public L1Client {
   void read_ahead(Cycles now, Slot& slot, std::uint32_t lane, LaneOp op);
   Cycles fetch_line(Cycles now, const Slot& slot, LaneOp op);
   void store_ahead(Cycles now, LaneOp op);
-  static std::uint64_t line_of_warp(const Slot& slot, LaneOp op) {
-    return op.line() << kSlotBits | slot.index;
-  }
-  void prefetch_line(const Slot& slot, LaneOp op) const;
+  void prefetch_line(LaneOp op) const;
   void prefetch_before(Cycles now, Cycles end);
-  template <class Send>
-  void through_port(Cycles now, const Send& send);
+  Port::Sent send_ahead(Cycles now, std::uint32_t sectors);
   void suspend(Cycles now, Slot& slot, std::uint32_t lane, LaneOp op);
   void maybe_judge(Cycles now, Slot& slot);
   void back_from_shader(Cycles now, Slot& slot, std::uint32_t lane);
@@ -189,13 +187,9 @@ class RtEngine final : public Component, public L1Client {
   RtHost& host_;
   std::array<TesterPool, kTesters> pools_;
   std::vector<Slot> slots_;
-  struct Appointed {
-    const Slot* slot;
-    const Lane* lane;
-  };
-  std::vector<Appointed> appointed_;  // used while prefetching
-  std::vector<Slot*> by_age_;         // resident warps', oldest first
-  std::uint64_t asking_ = 0;          // bit per rank: has requests for the port
+  std::vector<const Lane*> appointed_;  // used while prefetching
+  std::vector<Slot*> by_age_;           // resident warps', oldest first
+  std::uint64_t asking_ = 0;            // bit per rank: has requests for the port
   std::uint32_t resident_ = 0;
   struct Store {
     std::uint64_t line;
@@ -206,10 +200,10 @@ class RtEngine final : public Component, public L1Client {
   std::size_t stores_head_ = 0;
   Port port_;
   bool port_booked_ = false, port_blocked_ = false;
-  bool reserves_;           // model "reserved"
-  ComingLines on_its_way_;  // in that model: what a warp's lanes share, by line and slot
+  bool reserves_;                              // model "reserved"
   std::uint32_t in_unit_ = 0, in_shader_ = 0;  // lanes
   LaneCompiler compiler_;
+  CompiledRays* compiled_;  // rays kept from one run to the next, or nullptr
   RtCounts counts_;
   Attribution<RtReason> attribution_;
   BusyCycles testing_;

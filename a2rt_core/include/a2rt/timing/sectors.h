@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <optional>
 
 #include "a2rt/base/bits.h"
 #include "a2rt/base/units.h"
@@ -62,11 +63,23 @@ inline std::uint32_t sectors_in(SectorMask mask) {
   return kOnes[mask & 0xf];
 }
 
+// Where a cache holds a line, and which of its sectors are valid.
+struct Held {
+  std::uint32_t place = 0;  // below places(); that many if the line is nowhere
+  SectorMask valid = 0;
+};
+
 // A line thrown out; `dirty` has a bit per sector to be written below.
 struct Victim {
   std::uint64_t line = 0;
   SectorMask dirty = 0;
   SectorKinds kinds{};
+};
+
+// Where a line was put, and what made room for it.
+struct Entered {
+  std::uint32_t place = 0;
+  std::optional<Victim> victim;
 };
 
 // Sector-cycles that a cache's sectors spent in it, by kind.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "a2rt/base/inline.h"
 #include "a2rt/base/units.h"
 #include "a2rt/rt/event.h"
 #include "a2rt/timing/hashed_sets.h"
@@ -30,12 +31,30 @@ class TagStore {
   SectorMask valid(Address line) const {
     return packed_ ? packed_->valid(line_of(line)) : hashed_->valid(line_of(line));
   }
+  // touch() in two steps, between which the line's place is known.
+  std::uint32_t places() const { return packed_ ? packed_->places() : hashed_->places(); }
+  // Where the line is likely to be.
+  std::uint32_t guess(Address line) const {
+    return packed_ ? packed_->guess(line_of(line)) : hashed_->guess(line_of(line));
+  }
+  A2RT_INLINE Held look(Address line) const {
+    return packed_ ? packed_->look(line_of(line)) : hashed_->look(line_of(line));
+  }
+  void use(Address line, std::uint32_t place) {
+    packed_ ? packed_->use(place) : hashed_->use(line_of(line), place);
+  }
   bool contains(Address sector) const { return valid(sector) >> sector_index(sector) & 1; }
   // Makes the sectors valid (and dirty), allocating their line at the expense of the set's LRU one.
   std::optional<Victim> insert(Cycles now, Address line, SectorMask sectors, Traffic kind,
                                bool dirty) {
     return packed_ ? packed_->insert(now, line_of(line), sectors, kind, dirty, residence_)
                    : hashed_->insert(now, line_of(line), sectors, kind, dirty, residence_);
+  }
+  // As insert(), after look().
+  Entered enter(Cycles now, Held held, Address line, SectorMask sectors, Traffic kind, bool dirty) {
+    return packed_
+               ? packed_->enter(now, held.place, line_of(line), sectors, kind, dirty, residence_)
+               : hashed_->enter(now, held.place, line_of(line), sectors, kind, dirty, residence_);
   }
   // As insert(), of what came from below: only those sectors that are not valid yet. Does nothing,
   // not even to the order of use, if all are.
