@@ -224,21 +224,25 @@ def print_simulation(rows: Sequence[dict[str, Any]]) -> None:
     console.heading("Simulated rays a second of processor time, one thread (machine table1)")
     cells = []
     for row in rows:
-        reserved = row["reserved"]
-        for model, rate in (("queued", row), ("reserved", reserved)):
+        for rate in row["runs"]:
+            share = row["walk_seconds"] / rate["seconds"]
             cells.append(
                 (
                     row["scene"],
                     row["unit"],
-                    model,
+                    rate["model"],
                     formats.count(row["rays"]),
                     f"{rate['seconds']:.2f} s",
-                    formats.percent(row["walk_seconds"] / rate["seconds"], 0),
+                    formats.percent(share, 0) if rate["traversed"] else "known",
                     formats.count(rate["cycles"]),
-                    f"{reserved['error']:+.1%}" if rate is reserved else formats.NOTHING,
+                    f"{rate['error']:+.1%}" if rate["error"] else formats.NOTHING,
                     formats.count(rate["rays_per_second"]),
                     *_verdict(rate["rays_per_second"], LIMITS["simulation"], False),
                 )
             )
     columns = ("scene", "unit", "model", "rays", "time", "traversal", "cycles", "off", "rays/s")
     print(console.table((*columns, "limit", ""), cells, left=3))
+    print(
+        "traversal: its share of the time, once a run; known: traversed by another run, as of "
+        "`a2rt vary` for all machines but the first"
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from typing import Any
 
 from a2rt_cli import console, formats, results
 from a2rt_cli.report import measures, stalls, words
@@ -208,3 +209,21 @@ def print_time(result: Result) -> None:
             rows = [(words, formats.percent(share)) for words, share in found.items() if share > 0]
             console.heading(f"cycles of the {title}")
             print(console.table(("what", "share"), sorted(rows, key=lambda r: -found[r[0]])))
+
+
+def print_machines(found: dict[str, Any]) -> None:
+    """What `a2rt vary` found: a row for each machine, speedups against the first."""
+    runs = found["runs"]
+    keys = list(runs[0]["set"])
+    cells = [
+        [
+            *(one["set"][key] for key in keys),
+            formats.count(one["time"]["cycles"]),
+            formats.factor(one["speedup"]),
+            formats.energy(one["energy"]["total_pj"]),
+            formats.count(one["rays_per_second"]),
+        ]
+        for one in runs
+    ]
+    columns = [*keys, "cycles", "speedup", "energy", "rays/s of the host"]
+    print(console.table(columns, cells, left=len(keys)))

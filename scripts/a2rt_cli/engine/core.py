@@ -99,6 +99,26 @@ def simulate(
     return read_result(target)
 
 
+def vary(
+    workload: Path,
+    unit: str,
+    gpu: str,
+    target: Path,
+    *,
+    vary: Sequence[str],
+    overrides: Sequence[str] = (),
+    extra: Sequence[str] = (),
+    shown: console.Step | None = None,
+) -> dict[str, Any]:
+    """Cycles and energy of one unit on every machine that `vary` (KEY=V,V,...) makes of `gpu`."""
+    words: list[str | Path] = ["vary", workload, "--unit", unit, "--gpu", gpu, "-o", target]
+    for option, values in (("--set", overrides), ("--vary", vary)):
+        for value in values:
+            words += [option, value]
+    _call([*words, *extra], f"simulating {workload.name} with {unit} on machines of {gpu}", shown)
+    return read_result(target)
+
+
 def bench_units(
     workload: Path,
     target: Path,
