@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "a2rt/base/error.h"
@@ -30,7 +31,9 @@ class TesterPool {
         interval_(interval.value),
         simple_(interval.value == 1 && clock.same()),
         clock_(clock),
+        wide_(count > kMostInByte),
         busy_(kLeastRing),
+        more_busy_(wide_ ? kLeastRing : 0),
         full_(kLeastRing / 64) {
     A2RT_CHECK(latency.value > 0 && interval.value > 0, "a test takes at least one cycle");
     A2RT_CHECK(count < 0x10000, "an RT unit has fewer than 65536 testers of a kind");
@@ -84,14 +87,20 @@ class TesterPool {
     queued_cycles_ += start - own;
     return clock_.to_core(Cycles{start} + latency_);
   }
-  std::uint16_t& busy_in(std::uint64_t cycle) { return busy_[cycle & ring_mask_]; }
+  std::uint32_t busy_in(std::uint64_t cycle) const {
+    const std::uint64_t i = cycle & ring_mask_;
+    return wide_ ? busy_[i] | std::uint32_t{more_busy_[i]} << 8 : busy_[i];
+  }
   std::uint64_t& full_word(std::uint64_t cycle) { return full_[(cycle & ring_mask_) / 64]; }
   // Nobody asks for the past any more: its places in the ring become free, 64 cycles at a time.
   A2RT_NOINLINE void forget_before(std::uint64_t now) {
     const std::uint64_t keep = now / 64 * 64;
     const std::uint64_t until = std::min(keep, first_ + ring_mask_ + 1);
     for (; first_ < until; first_ += 64) {
-      std::fill_n(&busy_in(first_), 64, std::uint16_t{0});
+      std::fill_n(&busy_[first_ & ring_mask_], 64, std::uint8_t{0});
+      if (wide_) {
+        std::fill_n(&more_busy_[first_ & ring_mask_], 64, std::uint8_t{0});
+      }
       full_word(first_) = 0;
     }
     first_ = keep;
@@ -103,16 +112,19 @@ class TesterPool {
     }
   }
   void grow() {
-    std::vector<std::uint16_t> busy(busy_.size() * 2);
-    std::vector<std::uint64_t> full(full_.size() * 2);
-    busy.swap(busy_);
-    full.swap(full_);
     const std::uint64_t old_mask = ring_mask_;
-    ring_mask_ = busy_.size() - 1;
-    for (std::uint64_t c = first_; c < first_ + busy.size(); c += 64) {
-      std::copy_n(&busy[c & old_mask], 64, &busy_in(c));
-      full_word(c) = full[(c & old_mask) / 64];
-    }
+    ring_mask_ = busy_.size() * 2 - 1;
+    const auto move = [&](auto& ring, std::uint64_t cycles_each) {
+      std::remove_reference_t<decltype(ring)> old(ring.size() * 2);
+      old.swap(ring);
+      for (std::uint64_t c = first_; c <= first_ + old_mask && !old.empty(); c += 64) {
+        std::copy_n(&old[(c & old_mask) / cycles_each], 64 / cycles_each,
+                    &ring[(c & ring_mask_) / cycles_each]);
+      }
+    };
+    move(busy_, 1);
+    move(more_busy_, 1);
+    move(full_, 64);
   }
   // First cycle at or after `cycle` in which some tester is not busy; the ring holds it.
   std::uint64_t first_not_full(std::uint64_t cycle) {
@@ -134,7 +146,11 @@ class TesterPool {
     return count_ - most;
   }
   void set_busy(std::uint64_t cycle, std::uint32_t testers) {
-    busy_in(cycle) = static_cast<std::uint16_t>(testers);
+    const std::uint64_t i = cycle & ring_mask_;
+    busy_[i] = static_cast<std::uint8_t>(testers);
+    if (wide_) [[unlikely]] {
+      more_busy_[i] = static_cast<std::uint8_t>(testers >> 8);
+    }
     full_word(cycle) |= std::uint64_t{testers == count_} << (cycle % 64);
   }
   // As reserve(), when a tester is busy for the cycle of its start only.
@@ -173,7 +189,12 @@ class TesterPool {
   std::uint64_t interval_ = 1;
   bool simple_ = true;
   ClockDomain clock_;
-  std::vector<std::uint16_t> busy_;  // ring over cycles of the RT clock, from `first_` on
+  static constexpr std::uint32_t kMostInByte = 0xff;
+  bool wide_ = false;  // more testers than a byte counts
+  // Rings over cycles of the RT clock, from `first_` on. Bytes, as they are what takes most of the
+  // host's first cache: a test touches another line of it than the one before.
+  std::vector<std::uint8_t> busy_;
+  std::vector<std::uint8_t> more_busy_;  // the upper bytes, if `wide_`
   std::vector<std::uint64_t> full_;  // bit per cycle of the ring: no tester is free
   std::uint64_t ring_mask_ = kLeastRing - 1;
   std::uint64_t first_ = 0;  // a multiple of 64
