@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "a2rt/timing/attribution.h"
 #include "mocks.h"
 
@@ -49,6 +51,70 @@ TEST(Calendar, an_appointment_exactly_one_wheel_ahead_is_kept_on_time) {
     ASSERT_EQ(client.wakeups.size(), 1u);
     EXPECT_EQ(client.wakeups[0].when, Cycles{77 + ahead});
   }
+}
+
+TEST(Calendar, numbers_come_in_order_of_time_then_of_making_and_before_what_else_there_is) {
+  Calendar uut;
+  RecordingComponent client;
+  uut.number(client, 9, 100);
+  uut.at(Cycles{7}, client, 0, 1000);
+  uut.at(Cycles{7}, 42);
+  uut.at(Cycles{7}, 0);
+  uut.at(Cycles{7}, 99);
+  uut.at(Cycles{3}, 17);
+  uut.at(Cycles{5000}, 3);  // beyond the wheel
+  std::vector<std::uint32_t> soon;
+  uut.each_number_before(Cycles{7}, [&](std::uint32_t n) { soon.push_back(n); });
+  EXPECT_EQ(soon, (std::vector<std::uint32_t>{17}));
+  uut.each_number_before(Cycles{6000}, [&](std::uint32_t n) { soon.push_back(n); });
+  EXPECT_EQ(soon, (std::vector<std::uint32_t>{17, 17, 42, 0, 99}));
+  EXPECT_EQ(drain(uut), Cycles{5000});
+  std::vector<std::uint32_t> values;
+  for (const auto& w : client.wakeups) {
+    EXPECT_EQ(w.what, w.value == 1000 ? 0u : 9u);
+    values.push_back(w.value);
+  }
+  EXPECT_EQ(values, (std::vector<std::uint32_t>{17, 42, 0, 99, 1000, 3}));
+}
+
+TEST(Calendar, a_number_may_be_appointed_again_while_it_is_kept) {
+  // Each comes again after its number of cycles, ten times.
+  struct Again final : Component {
+    explicit Again(Calendar& c) : calendar(c) {}
+    void wake(Cycles now, std::uint32_t, std::uint32_t value) override {
+      kept.emplace_back(now.value, value);
+      if (++times[value] < 10) {
+        calendar.at(now + Cycles{value}, value);
+      }
+    }
+    std::string dump() const override { return "again\n"; }
+    void check_drained() const override {}
+    Calendar& calendar;
+    std::map<std::uint32_t, int> times;
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> kept;
+  };
+  Calendar uut;
+  Again client(uut);
+  uut.number(client, 0, 2000);
+  for (const std::uint32_t n : {1u, 2u, 3u, 64u, 1023u, 1024u, 1999u}) {
+    uut.at(Cycles{n}, n);
+  }
+  drain(uut);
+  EXPECT_EQ(client.kept.size(), 70u);
+  EXPECT_TRUE(std::is_sorted(client.kept.begin(), client.kept.end(),
+                             [](const auto& a, const auto& b) { return a.first < b.first; }));
+  std::map<std::uint32_t, std::uint64_t> last;
+  for (const auto& [when, value] : client.kept) {
+    EXPECT_EQ(when, last[value] += value);
+  }
+}
+
+TEST(Calendar, a_number_is_not_appointed_for_the_present) {
+  Calendar uut;
+  RecordingComponent client;
+  uut.number(client, 0, 8);
+  At now(uut, Cycles{9}, [&](Cycles n) { EXPECT_THROW(uut.at(n, 3), InternalError); });
+  drain(uut);
 }
 
 TEST(Calendar, an_appointment_made_for_the_running_cycle_is_kept_in_it) {

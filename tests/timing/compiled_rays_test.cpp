@@ -102,18 +102,20 @@ TEST_P(Repeated, rays_without_room_are_traversed_each_time) {
 
 INSTANTIATE_TEST_SUITE_P(Models, Repeated, kBothModels, model_name);
 
-TEST(CompiledRays, a_ray_of_more_than_32_bits_of_anything_is_not_kept) {
+TEST(CompiledRays, a_ray_of_more_than_its_record_can_count_is_not_kept) {
   CompiledRays uut({}, 2, RepeatedRays::kMost);
   const LaneOp end = LaneOp::counted(LaneOp::Code::kEnd, 0);
   LaneOpCounts before, after;
   before.context_refetch_steps = 7;
-  after.context_refetch_steps = 7 + (std::uint64_t{1} << 32);
+  after.context_refetch_steps = 7 + LaneOpCount::kMost + 1;
   uut.keep(0, &end, 1, Address{0}, before, after);
   EXPECT_EQ(uut.find(0).ops, nullptr);
   --after.context_refetch_steps;
   uut.keep(1, &end, 1, Address{0}, before, after);
   ASSERT_NE(uut.find(1).ops, nullptr);
-  EXPECT_EQ(uut.find(1).counts[LaneOpCounts::kNumbers - 1], 0xffffffffu);
+  ASSERT_EQ(uut.find(1).counts().size(), 1u);
+  EXPECT_EQ(uut.find(1).counts()[0].index(), LaneOpCounts::kNumbers - 1);
+  EXPECT_EQ(uut.find(1).counts()[0].value(), LaneOpCount::kMost);
 }
 
 }  // namespace

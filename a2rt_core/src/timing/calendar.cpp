@@ -18,6 +18,14 @@ void Calendar::add_place() {
   appointments_.push_back({nullptr, 0, kNil << kWhatBits});
 }
 
+void Calendar::number(Component& who, std::uint32_t what, std::uint32_t count) {
+  A2RT_CHECK(numbered_ == nullptr && count <= kNoNumber, "numbers are one component's and 16 bits");
+  numbered_ = &who;
+  numbered_what_ = what;
+  numbers_.assign(kWheel, kNoNumber);
+  next_number_.resize(count);
+}
+
 void Calendar::push_far(Cycles when, Component* who, std::uint32_t what, std::uint32_t value) {
   A2RT_CHECK(when >= now_, "an appointment was made in the past");
   far_.push_back({when, made_, who, what, value});
@@ -30,7 +38,11 @@ void Calendar::pull_far() {
     std::pop_heap(far_.begin(), far_.end(), kLater);
     const Far far = far_.back();
     far_.pop_back();
-    place(far.when.value % kWheel, far.who, far.what, far.value);
+    if (far.who == numbered_ && far.what == numbered_what_) {
+      place_number(far.when.value % kWheel, static_cast<std::uint16_t>(far.value));
+    } else {
+      place(far.when.value % kWheel, far.who, far.what, far.value);
+    }
   }
 }
 

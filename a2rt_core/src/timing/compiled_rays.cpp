@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <new>
 #include <tuple>
 
 namespace a2rt::timing {
@@ -38,29 +38,32 @@ std::byte* CompiledRays::room(std::size_t bytes) {
 void CompiledRays::keep(std::uint32_t ray, const LaneOp* ops, std::size_t size, Address spill,
                         const LaneOpCounts& before, const LaneOpCounts& after) {
   const auto from = LaneOpCounts::as_numbers(before), to = LaneOpCounts::as_numbers(after);
-  std::array<std::uint32_t, LaneOpCounts::kNumbers> counted{};
-  for (std::size_t i = 0; i < counted.size(); ++i) {
+  std::array<LaneOpCount, LaneOpCounts::kNumbers> counts;
+  std::uint8_t counted = 0;
+  for (std::uint32_t i = 0; i < from.size(); ++i) {
     const std::uint64_t n = to[i] - from[i];
-    if (n > std::numeric_limits<std::uint32_t>::max()) {
+    if (n > LaneOpCount::kMost) {
       return;
     }
-    counted[i] = static_cast<std::uint32_t>(n);
+    if (n > 0) {
+      counts[counted++] = {i, n};
+    }
   }
   const std::size_t op_bytes = size * sizeof(LaneOp);
+  const std::size_t count_bytes = counted * sizeof(LaneOpCount);
   std::byte* const at =
-      room(op_bytes + (sizeof counted + sizeof(LaneOp) - 1) / sizeof(LaneOp) * sizeof(LaneOp));
+      room(op_bytes + (count_bytes + sizeof(LaneOp) - 1) / sizeof(LaneOp) * sizeof(LaneOp));
   if (at == nullptr) {
     return;
   }
   auto* const kept = new (at) LaneOp[size];
-  auto* const counts = new (at + op_bytes) std::uint32_t[counted.size()];
-  std::copy(counted.begin(), counted.end(), counts);
+  std::copy_n(counts.begin(), counted, new (at + op_bytes) LaneOpCount[counted]);
   bool spills = false;
   for (std::size_t i = 0; i < size; ++i) {
     spills |= ops[i].names_spill_memory();
     kept[i] = ops[i].names_spill_memory() ? ops[i].moved(spill, Address{0}) : ops[i];
   }
-  rays_[ray] = {kept, static_cast<std::uint32_t>(size), spills, counts};
+  rays_[ray] = {kept, static_cast<std::uint32_t>(size), counted, spills};
   ++kept_;
 }
 

@@ -55,12 +55,18 @@ void LaneCompiler::begin(Address spill, LaneOps& out) {
   stack_ = spilled_ = contexts_ = contexts_spilled_ = 0;
 }
 
-void LaneCompiler::count_again(const std::uint32_t* numbers) {
-  auto all = LaneOpCounts::as_numbers(counts_);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i] += numbers[i];
+void LaneCompiler::count_again(std::span<const LaneOpCount> counts) {
+  for (const LaneOpCount count : counts) {
+    counts_again_[count.index()] += count.value();
   }
-  counts_ = LaneOpCounts::of_numbers(all);
+}
+
+LaneOpCounts LaneCompiler::counts() const {
+  LaneOpCounts::Numbers all = LaneOpCounts::as_numbers(counts_);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i] += counts_again_[i];
+  }
+  return LaneOpCounts::of_numbers(all);
 }
 
 void LaneCompiler::fetch(Traffic traffic, Address address, std::uint32_t bytes) {

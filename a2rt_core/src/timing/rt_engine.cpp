@@ -32,6 +32,9 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
       compiled_(source.compiled(config.rt)) {
   A2RT_CHECK(slots_.size() <= Arrival::kReceivers,
              "an RT unit has more places for warps than asking_ has bits");
+  if (reserves_) {
+    calendar.number(*this, kLaneAhead, static_cast<std::uint32_t>(slots_.size()) * kLanes);
+  }
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     slots_[i].index = static_cast<std::uint32_t>(i);
   }
@@ -120,7 +123,7 @@ const LaneOp* RtEngine::compile_ray(std::uint32_t ray, Address spill, LaneOps& o
     compiled_->keep(ray, ops.data() + first, ops.size() - first, spill, before, compiler_.counts());
     return nullptr;
   }
-  compiler_.count_again(kept.counts);
+  compiler_.count_again(kept.counts());
   if (!kept.spills) {
     return kept.ops;
   }
@@ -181,7 +184,7 @@ A2RT_INLINE void RtEngine::kick_port(Cycles now) {
 
 A2RT_INLINE void RtEngine::appoint(Cycles now, Cycles at, Slot& slot, std::uint32_t l) {
   if (reserves_) {
-    calendar_.at(at, *this, kLaneAhead, slot.index * kLanes + l);
+    calendar_.at(at, slot.index * kLanes + l);
     return;
   }
   if (at.value - now.value >= kNear) [[unlikely]] {

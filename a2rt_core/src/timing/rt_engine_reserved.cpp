@@ -44,7 +44,7 @@ A2RT_INLINE void RtEngine::read_ahead(Cycles now, Slot& slot, std::uint32_t l, L
   calendar_.promise(ready);
   lane_cycles(LaneReason::kFetch) += ready.value - now.value;
   const Cycles at = next->is_test() ? run_tests(now, ready, lane) : ready;
-  calendar_.at(at, *this, kLaneAhead, slot.index * kLanes + l);
+  calendar_.at(at, slot.index * kLanes + l);
   prefetch_line(*lane.op);
 }
 
@@ -71,11 +71,9 @@ void RtEngine::prefetch_before(Cycles now, Cycles end) {
     pool.prefetch(now, end);
   }
   appointed_.clear();
-  calendar_.each_before(end, [&](const Component* who, std::uint32_t what, std::uint32_t value) {
-    if (who == this && what == kLaneAhead) {
-      appointed_.push_back(&slots_[value / kLanes].lanes[value % kLanes]);
-      __builtin_prefetch(appointed_.back(), 1);
-    }
+  calendar_.each_number_before(end, [&](std::uint32_t number) {
+    appointed_.push_back(&slots_[number / kLanes].lanes[number % kLanes]);
+    __builtin_prefetch(appointed_.back(), 1);
   });
   for (const Lane* lane : appointed_) {
     __builtin_prefetch(lane->op);

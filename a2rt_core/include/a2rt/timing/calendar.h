@@ -10,6 +10,7 @@
 #include <bit>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "a2rt/base/error.h"
@@ -35,6 +36,7 @@ class Calendar {
  public:
   static constexpr Cycles kNever{~std::uint64_t{0}};
 
+  Calendar() { buckets_.fill(kNil); }
   Cycles now() const { return now_; }
   bool empty() const { return next() == kNever; }
   // Appointments so far; once the calendar is empty, all of them have been kept.
@@ -47,6 +49,19 @@ class Calendar {
       place(when.value % kWheel, &who, what, value);
     } else {
       push_far(when, &who, what, value);
+    }
+    ++made_;
+  }
+
+  // Lets `who` appoint numbers below `count`, which costs the host less: each of them has at most
+  // one appointment at a time, always later than the present cycle. In a cycle they come first.
+  void number(Component& who, std::uint32_t what, std::uint32_t count);
+  A2RT_INLINE void at(Cycles when, std::uint32_t number) {
+    A2RT_CHECK(when > now_, "a number was appointed for the present or the past");
+    if (when.value - now_.value < kWheel) [[likely]] {
+      place_number(when.value % kWheel, static_cast<std::uint16_t>(number));
+    } else {
+      push_far(when, numbered_, numbered_what_, number);
     }
     ++made_;
   }
@@ -67,9 +82,9 @@ class Calendar {
     now_ = when;
     pull_far();
   }
-  // Calls f(who, what, value) for the appointments made so far before `end`, but for far ones.
+  // Calls f(number) for the numbers appointed so far before `end`, but for far ones.
   template <class F>
-  void each_before(Cycles end, const F& f) const {
+  void each_number_before(Cycles end, const F& f) const {
     const std::uint64_t stop = std::min(end.value, now_.value + kWheel);
     for (std::uint64_t from = now_.value; from < stop;) {
       const std::uint64_t word = occupied_[from % kWheel / 64] >> from % 64;
@@ -82,13 +97,11 @@ class Calendar {
       if (from >= stop) {
         return;
       }
-      const std::uint32_t last = buckets_[from % kWheel];
-      std::uint32_t place = last;
-      do {
-        place = appointments_[place].next();
-        const Appointment& made = appointments_[place];
-        f(made.who, made.what(), made.value);
-      } while (place != last);
+      const std::uint16_t last = numbers_[from % kWheel];
+      for (std::uint16_t i = last; i != kNoNumber; i = i == last ? kNoNumber : i) {
+        i = next_number_[i];
+        f(std::uint32_t{i});
+      }
       ++from;
     }
   }
@@ -137,20 +150,29 @@ class Calendar {
     Appointment& made = appointments_[place];
     free_ = made.next();
     made = {who, value, place << kWhatBits | what};
-    std::uint64_t& word = occupied_[index / 64];
-    const std::uint64_t bit = std::uint64_t{1} << (index % 64);
     // The first of a bucket is its own predecessor, so both cases take the same steps; a branch
     // here would be a toss-up.
     const std::uint32_t before = buckets_[index];
-    const std::uint32_t occupied = -static_cast<std::uint32_t>((word & bit) != 0);
-    Appointment& last = appointments_[place ^ ((place ^ before) & occupied)];
+    const std::uint32_t some = -static_cast<std::uint32_t>(before != kNil);
+    Appointment& last = appointments_[place ^ ((place ^ before) & some)];
     made.set_next(last.next());
     last.set_next(place);
     buckets_[index] = place;
-    word |= bit;
+    occupied_[index / 64] |= std::uint64_t{1} << (index % 64);
+  }
+  A2RT_INLINE void place_number(std::size_t index, std::uint16_t number) {
+    const std::uint16_t before = numbers_[index];
+    // The first of a cycle is its own successor.
+    next_number_[number] = number;
+    const std::uint16_t last = before == kNoNumber ? number : before;
+    next_number_[number] = next_number_[last];
+    next_number_[last] = number;
+    numbers_[index] = number;
+    occupied_[index / 64] |= std::uint64_t{1} << (index % 64);
   }
   void add_place();
   void serve(Cycles at);
+  void serve_numbers(Cycles at, std::uint16_t last);
   void push_far(Cycles when, Component* who, std::uint32_t what, std::uint32_t value);
   void pull_far();
   Cycles next_in_other_words() const;
@@ -161,8 +183,14 @@ class Calendar {
   Cycles now_;
   Cycles last_progress_, promised_;
   std::array<std::uint64_t, kWheel / 64> occupied_{};
-  std::array<std::uint32_t, kWheel> buckets_{};  // the last of a ring, if occupied
-  std::vector<Far> far_;                         // heap, earliest first
+  std::array<std::uint32_t, kWheel> buckets_;  // the last of a ring, or kNil
+  // Numbers of a cycle form a ring, too.
+  static constexpr std::uint16_t kNoNumber = 0xffff;
+  Component* numbered_ = nullptr;
+  std::uint32_t numbered_what_ = 0;
+  std::vector<std::uint16_t> numbers_;      // the last of a ring; empty if nobody has numbers
+  std::vector<std::uint16_t> next_number_;  // by number
+  std::vector<Far> far_;                    // heap, earliest first
 };
 
 inline void Calendar::serve(Cycles at) {
@@ -174,19 +202,40 @@ inline void Calendar::serve(Cycles at) {
       return;  // the far ones are farther than a turn
     }
   }
+  if (numbered_ != nullptr) {
+    serve_numbers(at, std::exchange(numbers_[index], kNoNumber));
+  }
   const std::uint32_t& last = buckets_[index];
-  // Appointments made for this very cycle while it runs are appended and kept too.
-  std::uint32_t place = last;
-  do {
-    place = appointments_[place].next();
-    const Appointment kept = appointments_[place];
-    kept.who->wake(at, kept.what(), kept.value);
-  } while (place != last);
-  // The whole ring becomes free at once.
-  const std::uint32_t first = appointments_[place].next();
-  appointments_[place].set_next(free_);
-  free_ = first;
+  if (last != kNil) {
+    // Appointments made for this very cycle while it runs are appended and kept too.
+    std::uint32_t place = last;
+    do {
+      place = appointments_[place].next();
+      const Appointment kept = appointments_[place];
+      kept.who->wake(at, kept.what(), kept.value);
+    } while (place != last);
+    // The whole ring becomes free at once.
+    const std::uint32_t first = appointments_[place].next();
+    appointments_[place].set_next(free_);
+    free_ = first;
+    buckets_[index] = kNil;
+  }
   occupied_[index / 64] &= ~(std::uint64_t{1} << (index % 64));
+}
+
+A2RT_INLINE void Calendar::serve_numbers(Cycles at, std::uint16_t last) {
+  if (last == kNoNumber) {
+    return;
+  }
+  std::uint16_t number = next_number_[last];
+  while (true) {
+    const std::uint16_t next = next_number_[number];
+    numbered_->wake(at, numbered_what_, number);
+    if (number == last) {
+      return;
+    }
+    number = next;
+  }
 }
 
 }  // namespace a2rt::timing

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "a2rt/timing/lane_ops.h"
@@ -26,14 +27,18 @@ class CompiledRays {
   struct Ray {
     const LaneOp* ops = nullptr;  // nullptr: not kept
     std::uint32_t size = 0;
+    std::uint8_t counted = 0;
     bool spills = false;  // some operations name spill memory
-    const std::uint32_t* counts = nullptr;
+    // What compiling it counted.
+    std::span<const LaneOpCount> counts() const {
+      return {reinterpret_cast<const LaneOpCount*>(ops + size), counted};
+    }
   };
   const Ray& find(std::uint32_t ray) const { return rays_[ray]; }
   void prefetch(const Ray& ray) const {
     __builtin_prefetch(ray.ops);
-    __builtin_prefetch(ray.counts);
-    __builtin_prefetch(ray.counts + 16);
+    __builtin_prefetch(ray.ops + ray.size);
+    __builtin_prefetch(ray.ops + ray.size + 64 / sizeof(LaneOp));
   }
   // Keeps the operations, if there is room: `spill` is where their spill memory begins, `counted`
   // what compiling them counted.

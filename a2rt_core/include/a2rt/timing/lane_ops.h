@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 
 #include "a2rt/base/error.h"
@@ -163,6 +164,23 @@ struct LaneOpCounts {
   }
 };
 
+// One of the numbers of LaneOpCounts.
+class LaneOpCount {
+ public:
+  static constexpr std::uint64_t kMost = (std::uint64_t{1} << 25) - 1;
+  LaneOpCount() = default;
+  // `value` is at most kMost.
+  LaneOpCount(std::uint32_t index, std::uint64_t value)
+      : bits_(static_cast<std::uint32_t>(value) << kIndexBits | index) {}
+  std::uint32_t index() const { return bits_ & ((1u << kIndexBits) - 1); }
+  std::uint32_t value() const { return bits_ >> kIndexBits; }
+
+ private:
+  static constexpr std::uint32_t kIndexBits = 7;
+  static_assert(LaneOpCounts::kNumbers <= 1u << kIndexBits);
+  std::uint32_t bits_;
+};
+
 // Bytes of thread-private memory for what a lane spills.
 inline constexpr std::uint64_t kSpillBytesPerLane = 4096;
 
@@ -174,8 +192,8 @@ class LaneCompiler final : public EventReceiver {
   // `spill`: where the lane's spill memory begins. Operations are appended to `out`, kEnd last.
   void begin(Address spill, LaneOps& out);
   void end() { out_->push_back(LaneOp::counted(LaneOp::Code::kEnd, 0)); }
-  // Counts a ray again whose operations are known: LaneOpCounts::kNumbers numbers.
-  void count_again(const std::uint32_t* numbers);
+  // Counts a ray again whose operations are known.
+  void count_again(std::span<const LaneOpCount> counts);
 
   // Records that touch, with no other event between them, are one read of the unit.
   void fetch(Traffic traffic, Address address, std::uint32_t bytes) override;
@@ -188,7 +206,8 @@ class LaneCompiler final : public EventReceiver {
   void leave_unit(EventKind kind, std::uint32_t count) override;
   void escape(std::uint32_t count) override;
 
-  const LaneOpCounts& counts() const { return counts_; }
+  // Of the rays compiled, and of those counted again.
+  LaneOpCounts counts() const;
 
  private:
   // What the event just seen leaves open.
@@ -220,6 +239,7 @@ class LaneCompiler final : public EventReceiver {
   Address read_end_;
   LaneOps* out_ = nullptr;
   LaneOpCounts counts_;
+  LaneOpCounts::Numbers counts_again_{};
   Address spill_;
   RtConfig config_;
 };

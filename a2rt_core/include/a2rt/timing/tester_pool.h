@@ -195,7 +195,7 @@ class TesterPool {
   // host's first cache: a test touches another line of it than the one before.
   std::vector<std::uint8_t> busy_;
   std::vector<std::uint8_t> more_busy_;  // the upper bytes, if `wide_`
-  std::vector<std::uint64_t> full_;  // bit per cycle of the ring: no tester is free
+  std::vector<std::uint64_t> full_;      // bit per cycle of the ring: no tester is free
   std::uint64_t ring_mask_ = kLeastRing - 1;
   std::uint64_t first_ = 0;  // a multiple of 64
   std::uint64_t tests_ = 0, queued_cycles_ = 0;
