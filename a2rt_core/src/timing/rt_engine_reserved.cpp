@@ -41,7 +41,6 @@ A2RT_INLINE void RtEngine::read_ahead(Cycles now, Slot& slot, std::uint32_t l, L
   }
   __builtin_prefetch(next + kOpsPerHostLine);
   lane.op = next;
-  calendar_.promise(ready);
   lane_cycles(LaneReason::kFetch) += ready.value - now.value;
   const Cycles at = next->is_test() ? run_tests(now, ready, lane) : ready;
   calendar_.at(at, slot.index * kLanes + l);

@@ -54,13 +54,15 @@ class Calendar {
   }
 
   // Lets `who` appoint numbers below `count`, which costs the host less: each of them has at most
-  // one appointment at a time, always later than the present cycle. In a cycle they come first.
+  // one appointment at a time, always later than the present cycle. In a cycle they come first. One
+  // that is far away is also a promise().
   void number(Component& who, std::uint32_t what, std::uint32_t count);
   A2RT_INLINE void at(Cycles when, std::uint32_t number) {
     A2RT_CHECK(when > now_, "a number was appointed for the present or the past");
     if (when.value - now_.value < kWheel) [[likely]] {
       place_number(when.value % kWheel, static_cast<std::uint16_t>(number));
     } else {
+      promise(when);
       push_far(when, numbered_, numbered_what_, number);
     }
     ++made_;

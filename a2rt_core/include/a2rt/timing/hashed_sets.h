@@ -44,13 +44,19 @@ class HashedSets {
   std::uint32_t places() const { return (bucket_mask_ + 1) * kRoom; }
   std::uint32_t guess(std::uint64_t line) const { return home(line) * kRoom; }
   Held look(std::uint64_t line) const {
-    const Place place = find(line);
-    return place.found
-               ? Held{place.bucket * kRoom + place.i, buckets_[place.bucket].sectors[place.i].valid}
-               : Held{places(), 0};
+    for (std::uint32_t b = home(line);; b = next(b)) {
+      const Bucket& bucket = buckets_[b];
+      if (const std::uint32_t found = bucket.matches(line); found != 0) [[likely]] {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(found));
+        return {b * kRoom + i, bucket.sectors[i].valid};
+      }
+      if (bucket.passed_on == 0) [[likely]] {
+        return {places(), 0};
+      }
+    }
   }
   void use(std::uint64_t line, std::uint32_t number) {
-    const Place place{number / kRoom, number % kRoom, true};
+    const Place place = place_of(number);
     strike_out(place);
     append(sets_[wrap_.of(line)], place);
   }
@@ -72,8 +78,7 @@ class HashedSets {
   }
   Entered enter(Cycles now, std::uint32_t number, std::uint64_t line, SectorMask sectors,
                 Traffic kind, bool dirty, SectorResidence& residence) {
-    const Place place{number / kRoom, number % kRoom, number < places()};
-    return put(now, place, line, sectors, kind, dirty, residence);
+    return put(now, place_of(number), line, sectors, kind, dirty, residence);
   }
 
  private:
@@ -125,16 +130,9 @@ class HashedSets {
     return static_cast<std::uint32_t>(mixed(line) >> hash_shift_);
   }
   std::uint32_t next(std::uint32_t bucket) const { return (bucket + 1) & bucket_mask_; }
-  Place find(std::uint64_t line) const {
-    for (std::uint32_t b = home(line);; b = next(b)) {
-      const Bucket& bucket = buckets_[b];
-      if (const std::uint32_t found = bucket.matches(line); found != 0) [[likely]] {
-        return {b, static_cast<std::uint32_t>(std::countr_zero(found)), true};
-      }
-      if (bucket.passed_on == 0) [[likely]] {
-        return {};
-      }
-    }
+  Place find(std::uint64_t line) const { return place_of(look(line).place); }
+  Place place_of(std::uint32_t number) const {
+    return {number / kRoom, number % kRoom, number < places()};
   }
   A2RT_NOINLINE Entered put(Cycles now, Place place, std::uint64_t line, SectorMask sectors,
                             Traffic kind, bool dirty, SectorResidence& residence);
