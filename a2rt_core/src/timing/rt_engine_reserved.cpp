@@ -63,23 +63,4 @@ void RtEngine::store_ahead(Cycles now, LaneOp op) {
   ++counts_.stores_sent;
 }
 
-// Brings what the appointments before `end` touch into the host's caches. What one step reads has
-// been fetched by the one before, so that none waits for memory.
-void RtEngine::prefetch_before(Cycles now, Cycles end) {
-  for (const TesterPool& pool : pools_) {
-    pool.prefetch(now, end);
-  }
-  appointed_.clear();
-  calendar_.each_number_before(end, [&](std::uint32_t number) {
-    appointed_.push_back(&slots_[number / kLanes].lanes[number % kLanes]);
-    __builtin_prefetch(appointed_.back(), 1);
-  });
-  for (const Lane* lane : appointed_) {
-    __builtin_prefetch(lane->op);
-  }
-  for (const Lane* lane : appointed_) {
-    prefetch_line(*lane->op);
-  }
-}
-
 }  // namespace a2rt::timing

@@ -152,7 +152,7 @@ void Machine::run_sm(std::size_t index, Cycles end) {
 // order in which they ask, so the one that asks first goes on first.
 void Machine::run_sms(Cycles end) {
   for (std::size_t i = 0; i < sms_.size(); ++i) {
-    sms_[i]->rt().begin_stretch(now_, end);
+    sms_[i]->rt().begin_stretch(now_);
     run_sm(i, end);
   }
   while (true) {

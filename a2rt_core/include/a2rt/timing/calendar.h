@@ -84,29 +84,6 @@ class Calendar {
     now_ = when;
     pull_far();
   }
-  // Calls f(number) for the numbers appointed so far before `end`, but for far ones.
-  template <class F>
-  void each_number_before(Cycles end, const F& f) const {
-    const std::uint64_t stop = std::min(end.value, now_.value + kWheel);
-    for (std::uint64_t from = now_.value; from < stop;) {
-      const std::uint64_t word = occupied_[from % kWheel / 64] >> from % 64;
-      const auto skip = static_cast<std::uint64_t>(word == 0 ? 64 : std::countr_zero(word));
-      if (skip >= 64 - from % 64) {
-        from += 64 - from % 64;
-        continue;
-      }
-      from += skip;
-      if (from >= stop) {
-        return;
-      }
-      const std::uint16_t last = numbers_[from % kWheel];
-      for (std::uint16_t i = last; i != kNoNumber; i = i == last ? kNoNumber : i) {
-        i = next_number_[i];
-        f(std::uint32_t{i});
-      }
-      ++from;
-    }
-  }
   // Cycle of the next appointment, or kNever; at most a turn of the wheel ahead, where a far one is
   // looked for again.
   Cycles next() const {

@@ -83,11 +83,10 @@ class RtEngine final : public Component, public L1Client {
   const BinnedSeries& active_lanes() const { return active_series_; }
   const BinnedSeries& port_use() const { return port_series_; }
 
-  // The unit runs alone from `now` until `end`.
-  void begin_stretch(Cycles now, Cycles end) {
+  // The unit will run alone for some time; the books hold only so many cycles that are not closed.
+  void begin_stretch(Cycles now) {
     if (reserves_) {
       account_cycles(now);
-      prefetch_before(now, end);
     }
   }
   void wake(Cycles now, std::uint32_t what, std::uint32_t value) override;
@@ -148,7 +147,6 @@ class RtEngine final : public Component, public L1Client {
   Cycles fetch_line(Cycles now, const Slot& slot, LaneOp op);
   void store_ahead(Cycles now, LaneOp op);
   void prefetch_line(LaneOp op) const;
-  void prefetch_before(Cycles now, Cycles end);
   Port::Sent send_ahead(Cycles now, std::uint32_t sectors);
   void suspend(Cycles now, Slot& slot, std::uint32_t lane, LaneOp op);
   void maybe_judge(Cycles now, Slot& slot);
@@ -187,9 +185,8 @@ class RtEngine final : public Component, public L1Client {
   RtHost& host_;
   std::array<TesterPool, kTesters> pools_;
   std::vector<Slot> slots_;
-  std::vector<const Lane*> appointed_;  // used while prefetching
-  std::vector<Slot*> by_age_;           // resident warps', oldest first
-  std::uint64_t asking_ = 0;            // bit per rank: has requests for the port
+  std::vector<Slot*> by_age_;  // resident warps', oldest first
+  std::uint64_t asking_ = 0;   // bit per rank: has requests for the port
   std::uint32_t resident_ = 0;
   struct Store {
     std::uint64_t line;

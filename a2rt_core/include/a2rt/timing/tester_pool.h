@@ -57,17 +57,6 @@ class TesterPool {
     return issue_later(now, at, tests);
   }
 
-  // Tests will be asked for from core cycle `from` until `to`, and start somewhat later: brings
-  // what that touches into the host's caches.
-  void prefetch(Cycles from, Cycles to) const {
-    const std::uint64_t end = clock_.from_core(to).value + kSomewhatLater;
-    const std::uint64_t most = end - std::min(end, ring_mask_);
-    for (std::uint64_t c = std::max(clock_.from_core(from).value, most); tests_ > 0 && c < end;
-         c += 64 / sizeof busy_[0]) {
-      __builtin_prefetch(&busy_[c & ring_mask_], 1);
-    }
-  }
-
   std::uint64_t tests() const { return tests_; }
   // Tester-cycles during which no further test could start (RT clock).
   std::uint64_t busy_cycles() const { return tests_ * interval_; }
@@ -77,7 +66,6 @@ class TesterPool {
 
  private:
   static constexpr std::size_t kLeastRing = 512;
-  static constexpr std::uint64_t kSomewhatLater = 128;
   A2RT_NOINLINE Cycles issue_later(Cycles now, Cycles at, std::uint32_t tests) {
     const std::uint64_t own = clock_.from_core(at).value;
     if (own > first_ + ring_mask_) [[unlikely]] {
