@@ -149,35 +149,6 @@ void add_shares(nlohmann::ordered_json& json, const timing::SimulationResult& re
   json["fig2"] = fig2;
 }
 
-nlohmann::ordered_json config_json(const config::Section& unit, const GpuChoice& gpu,
-                                   const timing::MachineConfig& machine) {
-  nlohmann::ordered_json json = rt::config_json(unit);
-  for (const config::ParameterDoc& p : gpu.section.describe()) {
-    json["gpu." + p.key] = p.value;
-  }
-  for (std::size_t t = 0; t < timing::kTesters; ++t) {
-    json["gpu.rt.testers." + std::string(timing::tester_name(static_cast<timing::Tester>(t))) +
-         ".count"] = machine.rt.testers[t].count;
-  }
-  return json;
-}
-
-nlohmann::ordered_json area_json(const energy::TesterArea& area, energy::Design design,
-                                 const energy::EnergyTable& table) {
-  nlohmann::ordered_json json = {{"box_testers_um2", area.used_um2},
-                                 {"reference_um2", area.reference_um2},
-                                 {"reached_minimum", area.reached_minimum}};
-  const bool a2rt = design == energy::Design::kA2rt;
-  if (a2rt || design == energy::Design::kAqb8) {
-    const energy::Row& qbox = table.find(a2rt ? "qbox_a2rt" : "qbox_aqb8", "test");
-    json["tester"] = {{"um2", qbox.area_um2},
-                      {"pj", qbox.energy_pj},
-                      {"note", energy::note_name(qbox.note)},
-                      {"source", qbox.source}};
-  }
-  return json;
-}
-
 int simulate(const Options& options) {
   const SplitSettings settings = split_settings(options.set);
   const TimedUnit timed(options.unit, options.unit_config, settings.unit, options.energy_table);
@@ -219,13 +190,13 @@ int simulate(const Options& options) {
                  {"core_mhz", machine.core_mhz},
                  {"sms", machine.sm.count},
                  {"comparison", energy::comparison_name(comparison)}};
-  json["config"] = config_json(timed.section(), gpu, machine);
+  json["config"] = timed.config_json(gpu, machine);
   json["parts"] = parts_json(called_for, parts);
   json["structure"] = rt::structure_json(unit.structure());
   json["events"] = timing::events_json(result);
   json["memory"] = timing::memory_json(result);
   json["time"] = timing::time_json(result, machine);
-  json["area"] = area_json(area, timed.design(), timed.table());
+  json["area"] = timed.area_json(area);
   json["energy"] = energy::ledger_json(ledger);
   add_shares(json, result, unit.structure());
   if (options.sample < 1) {

@@ -1,7 +1,10 @@
 #include "timed_unit.h"
 
+#include <nlohmann/json.hpp>
+
 #include "a2rt/energy/qbox_area.h"
 #include "a2rt/rt/a2rt_precision.h"
+#include "a2rt/rt/result_json.h"
 
 namespace a2rt::tools {
 namespace {
@@ -42,6 +45,34 @@ energy::Ledger TimedUnit::ledger(const timing::SimulationResult& result,
   return energy::make_ledger(energy::actions_of(result, design()),
                              energy::instances_of(result, machine, design()), result.milliseconds,
                              table_);
+}
+
+nlohmann::ordered_json TimedUnit::config_json(const GpuChoice& gpu,
+                                              const timing::MachineConfig& machine) const {
+  nlohmann::ordered_json json = rt::config_json(choice_.section);
+  for (const config::ParameterDoc& p : gpu.section.describe()) {
+    json["gpu." + p.key] = p.value;
+  }
+  for (std::size_t t = 0; t < timing::kTesters; ++t) {
+    json["gpu.rt.testers." + std::string(timing::tester_name(static_cast<timing::Tester>(t))) +
+         ".count"] = machine.rt.testers[t].count;
+  }
+  return json;
+}
+
+nlohmann::ordered_json TimedUnit::area_json(const energy::TesterArea& area) const {
+  nlohmann::ordered_json json = {{"box_testers_um2", area.used_um2},
+                                 {"reference_um2", area.reference_um2},
+                                 {"reached_minimum", area.reached_minimum}};
+  const bool a2rt = design() == energy::Design::kA2rt;
+  if (a2rt || design() == energy::Design::kAqb8) {
+    const energy::Row& qbox = table_.find(a2rt ? "qbox_a2rt" : "qbox_aqb8", "test");
+    json["tester"] = {{"um2", qbox.area_um2},
+                      {"pj", qbox.energy_pj},
+                      {"note", energy::note_name(qbox.note)},
+                      {"source", qbox.source}};
+  }
+  return json;
 }
 
 }  // namespace a2rt::tools

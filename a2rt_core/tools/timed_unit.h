@@ -2,6 +2,7 @@
 // testers a machine gets.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "a2rt/timing/machine_config.h"
 #include "a2rt/timing/result.h"
 #include "a2rt/workload/parts.h"
+#include "gpu_option.h"
 #include "unit_option.h"
 
 namespace a2rt::tools {
@@ -22,14 +24,16 @@ class TimedUnit {
             const std::vector<std::string>& set, const std::string& energy_table);
 
   RtUnit& unit() const { return *choice_.unit; }
-  const config::Section& section() const { return choice_.section; }
   energy::Design design() const { return unit().info().testers; }
-  const energy::EnergyTable& table() const { return table_; }
   // Gives the machine its box testers, and takes away the testers that `parts` leaves out.
   energy::TesterArea equip(timing::MachineConfig& machine, energy::Comparison comparison,
                            const Parts& parts) const;
   energy::Ledger ledger(const timing::SimulationResult& result,
                         const timing::MachineConfig& machine) const;
+  // For results: every parameter of unit and machine, and what equip() returned.
+  nlohmann::ordered_json config_json(const GpuChoice& gpu,
+                                     const timing::MachineConfig& machine) const;
+  nlohmann::ordered_json area_json(const energy::TesterArea& area) const;
 
  private:
   UnitChoice choice_;

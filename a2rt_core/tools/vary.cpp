@@ -15,6 +15,7 @@
 #include "a2rt/workload/file.h"
 #include "command.h"
 #include "gpu_option.h"
+#include "parts_json.h"
 #include "progress.h"
 #include "timed_unit.h"
 
@@ -25,6 +26,11 @@ struct Options {
   std::string workload, unit = "a2rt", unit_config, gpu = "table1", output;
   std::string comparison = "same-count", energy_table;
   std::vector<std::string> set, vary;
+};
+
+class NoRays final : public timing::RaySource {
+ public:
+  void events(std::uint32_t, EventReceiver&) override {}
 };
 
 struct Parameter {
@@ -72,10 +78,27 @@ std::vector<std::vector<std::string>> combinations(const std::vector<Parameter>&
 
 struct Variant {
   std::vector<std::string> values;
-  timing::MachineConfig machine;
+  GpuChoice gpu;
+  timing::MachineConfig machine;  // with the testers that the unit gets
+  energy::TesterArea area;
 };
 
-// All of them, so that a misspelt key or value is found before the first one runs.
+// A count that something else decides would make rows that differ in name only.
+void check_counts(const Variant& variant, const std::vector<Parameter>& parameters) {
+  for (const Parameter& p : parameters) {
+    for (std::size_t t = 0; t < timing::kTesters; ++t) {
+      const std::string name = timing::tester_name(static_cast<timing::Tester>(t));
+      if (p.key == "rt.testers." + name + ".count" &&
+          variant.machine.rt.testers[t].count != variant.gpu.machine.rt.testers[t].count) {
+        throw UserError("--vary " + p.key +
+                        " has no effect: the comparison, or what the workload calls for, decides "
+                        "this count; use --compare-counts config (a2rt: --counts config)");
+      }
+    }
+  }
+}
+
+// All of them, so that what is misspelt or does not fit is found before the first one runs.
 std::vector<Variant> variants_of(const Options& options, const std::vector<std::string>& fixed,
                                  const std::vector<Parameter>& parameters, const TimedUnit& timed,
                                  const Parts& parts) {
@@ -85,8 +108,14 @@ std::vector<Variant> variants_of(const Options& options, const std::vector<std::
     for (std::size_t i = 0; i < values.size(); ++i) {
       settings.push_back(parameters[i].key + "=" + values[i]);
     }
-    variants.push_back({values, choose_gpu(options.gpu, settings).machine});
-    timed.equip(variants.back().machine, energy::comparison_of(options.comparison), parts);
+    Variant variant{values, choose_gpu(options.gpu, settings), {}, {}};
+    variant.machine = variant.gpu.machine;
+    variant.area = timed.equip(variant.machine, energy::comparison_of(options.comparison), parts);
+    check_counts(variant, parameters);
+    const Workload nothing;
+    NoRays none;
+    timing::simulate(nothing, none, variant.machine);  // refuses a machine that cannot be
+    variants.push_back(std::move(variant));
   }
   return variants;
 }
@@ -116,6 +145,8 @@ nlohmann::ordered_json run(const Workload& workload, timing::RaySource& source,
               ledger.total_pj() * 1e-9, rate);
   std::fflush(stdout);
   return {{"set", set},
+          {"config", timed.config_json(variant.gpu, variant.machine)},
+          {"area", timed.area_json(variant.area)},
           {"speedup", speedup},
           {"time", timing::time_json(result, variant.machine)},
           {"memory", timing::memory_json(result)},
@@ -134,8 +165,9 @@ int vary(const Options& options) {
   ReadOptions read;
   read.driver_nodes = false;
   const Workload workload = read_workload(options.workload, read);
+  const Parts parts = parts_called_for(workload);
   const std::vector<Variant> variants =
-      variants_of(options, settings.gpu, parameters, timed, parts_called_for(workload));
+      variants_of(options, settings.gpu, parameters, timed, parts);
   Progress progress;
   progress.show(0, "building " + timed.unit().info().name);
   timed.unit().build(workload);
@@ -145,15 +177,17 @@ int vary(const Options& options) {
   nlohmann::ordered_json json = {{"schema", 1},
                                  {"workload", rt::workload_json(workload, options.workload)},
                                  {"unit", rt::unit_json(timed.unit().info())},
-                                 {"gpu", options.gpu}};
+                                 {"gpu", options.gpu},
+                                 {"comparison", options.comparison},
+                                 {"parts", parts_json(parts, parts)}};
   std::uint64_t first_cycles = 0;
   for (std::size_t i = 0; i < variants.size(); ++i) {
     json["runs"].push_back(run(workload, repeated, timed, parameters, variants[i], first_cycles));
+    if (!options.output.empty()) {
+      write_text_file(options.output, json.dump(2) + "\n");  // what is finished is not lost
+    }
     progress.show(static_cast<double>(i + 1) / static_cast<double>(variants.size()),
                   "machine " + std::to_string(i + 1) + " of " + std::to_string(variants.size()));
-  }
-  if (!options.output.empty()) {
-    write_text_file(options.output, json.dump(2) + "\n");
   }
   return 0;
 }
@@ -172,7 +206,9 @@ const RegisterCommand kCommand(
       app.add("--set", options->set, "Parameter of the machine or of the unit that stays")
           .one_value_each();
       app.add("--vary", options->vary,
-              "KEY=VALUE,VALUE,... of the machine; several are combined in all ways")
+              "KEY=VALUE,VALUE,... of the machine; several are combined in all ways. Short stack "
+              "and contexts (rt.stack_*, rt.context*) first: each change has the rays traversed "
+              "anew")
           .one_value_each()
           .required();
       app.add("--compare-counts", options->comparison,

@@ -111,7 +111,7 @@ def run_logged(
 
 
 # Run by sh: $0 is our process. Killed before the child could ask to end with us, we are its parent
-# no longer.
+# no longer. (A shell drops variables whose names it could not write; nothing of ours has such.)
 _UNLESS_ORPHANED = '[ "$PPID" = "$0" ] && exec "$@"'
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -20,6 +21,7 @@ def test_a_failing_program_keeps_its_own_status(tmp_path: Path):
     assert failed.value.status == 7
 
 
+@pytest.mark.skipif(shutil.which("setpriv") is None, reason="there is no setpriv here")
 def test_a_program_whose_asker_died_while_it_started_does_nothing(tmp_path: Path):
     """The moment between fork and the request to end with us: the parent is another already."""
     command = _ends_with_us(["touch", str(tmp_path / "made")])

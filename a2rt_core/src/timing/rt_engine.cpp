@@ -31,7 +31,7 @@ RtEngine::RtEngine(const MachineConfig& config, std::uint32_t index, Calendar& c
       compiler_(config.rt),
       compiled_(source.compiled(config.rt)) {
   A2RT_CHECK(slots_.size() <= Arrival::kReceivers,
-             "an RT unit has more places for warps than asking_ has bits");
+             "an RT unit has more places for warps than arrivals can tell apart");
   if (reserves_) {
     calendar.number(*this, kLaneAhead, static_cast<std::uint32_t>(slots_.size()) * kLanes);
   }
@@ -447,9 +447,8 @@ void RtEngine::account_cycles(Cycles now) {
     std::uint64_t tests = 0;
     if (reserves_) {
       tests = testing_.take_without(now, sending_);
-      const Cycles sent{sending_.take(now)};
-      port_series_.add(attribution_.booked(), attribution_.booked() + sent, 1);
-      attribution_.until(attribution_.booked() + sent, RtReason::kFetch);
+      book_port(now);
+      attribution_.until(attribution_.booked() + Cycles{sending_.take(now)}, RtReason::kFetch);
     } else {
       tests = testing_.take(now);
     }
@@ -470,6 +469,7 @@ void RtEngine::account(Cycles now) {
 void RtEngine::finish(Cycles end) {
   account(end);
   attribution_.check(end);
+  port_series_.add(end, end, 0);  // all units' series have the same bins
   counts_.port_cycles = port_.cycles_used();
   static_cast<LaneOpCounts&>(counts_) = compiler_.counts();
   std::uint64_t lanes = 0;

@@ -13,6 +13,14 @@ A2RT_INLINE Port::Sent RtEngine::send_ahead(Cycles now, std::uint32_t sectors) {
   return sent;
 }
 
+// Adds the port's cycles to their series, at the front of what is booked: a stretch at most.
+void RtEngine::book_port(Cycles now) {
+  const Cycles from = attribution_.booked();
+  const std::uint64_t n = std::min(port_.cycles_used() - port_cycles_booked_, (now - from).value);
+  port_series_.add(from, from + Cycles{n}, 1);
+  port_cycles_booked_ += n;
+}
+
 // Mostly a lane's next operation is a read; if not, nothing is lost.
 A2RT_INLINE void RtEngine::prefetch_line(LaneOp op) const {
   l1_.prefetch(Address{op.line() * kLineBytes});

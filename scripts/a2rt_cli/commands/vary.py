@@ -25,16 +25,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         required=True,
         metavar="KEY=V,V,...",
         help="values of one parameter of the machine (sm., l1., l2., dram., rt., ...); if "
-        "repeated, every value with every other",
+        "repeated, every value with every other; rt.stack_* and rt.context* first, as each of "
+        "their values has the rays traversed anew",
     )
-    options.add_gpu(parser, "table1")
+    parser.add_argument(
+        "--gpu", default="table1", metavar="G", help="machine, by name or .toml (table1)"
+    )
     options.add_overrides(parser)
-    choices = ("same-count", "same-area")
+    choices = ("same-count", "same-area", "config")
     parser.add_argument(
         "--counts",
         choices=choices,
         default=choices[0],
-        help="testers of a unit: as many as A2RT has, or as many as fit its area (same-count)",
+        help="testers of a unit: as many as A2RT has, as many as fit its area, or as the machine "
+        "says (same-count)",
     )
     parser.add_argument("-o", "--output", metavar="r.json", help="results (W.UNIT.vary.json)")
 
@@ -42,18 +46,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     from a2rt_cli import console, tables
     from a2rt_cli.engine import capture, core
-    from a2rt_cli.files import replacing, write_json
+    from a2rt_cli.errors import UserError
+    from a2rt_cli.files import write_json
     from a2rt_cli.paths import shown
 
     captured = capture.from_file(Path(args.workload))
     unit = Path(args.unit).stem
     target = Path(args.output or f"{captured.name}.{unit}.vary.json")
-    with console.step(f"Simulating {captured.name} with {unit}") as step, replacing(target) as file:
+    if target.suffix in (".png", ".svg"):
+        raise UserError(f"{target}: the results are JSON", "pictures are written beside r.json")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with console.step(f"Simulating {captured.name} with {unit}") as step:
         found = core.vary(
             captured.file,
             args.unit,
             args.gpu,
-            file,
+            target,
             vary=args.vary,
             overrides=args.overrides,
             extra=("--compare-counts", args.counts),

@@ -70,6 +70,19 @@ TEST_F(Vary, WhatIsNoListOfValuesIsRefused) {
   }
 }
 
+TEST_F(Vary, ACountThatTheComparisonDecidesIsRefusedUnlessTheConfigurationDecides) {
+  const std::string counts = " --unit a2rt --vary rt.testers.box.count=16,32";
+  EXPECT_THAT(refused(counts), HasSubstr("rt.testers.box.count has no effect"));
+  const nlohmann::json table = result("vary " + path("w.h5") + counts + " --compare-counts config");
+  EXPECT_EQ(table.at("runs").at(1).at("config").at("gpu.rt.testers.box.count"), 32);
+}
+
+TEST_F(Vary, AMachineThatCannotBeIsFoundBeforeTheFirstRun) {
+  const std::string message = refused(" --vary sm.count=8,16");
+  EXPECT_THAT(message, HasSubstr("leaves an RT unit without one"));
+  EXPECT_THAT(message, ::testing::Not(HasSubstr("cycles")));
+}
+
 TEST_F(Vary, AMisspeltKeyIsFoundBeforeTheFirstRun) {
   const std::string message = refused(" --vary rt.warps=4,8 --vary l1.latencyy=20,40");
   EXPECT_THAT(message, HasSubstr("did you mean 'latency'"));

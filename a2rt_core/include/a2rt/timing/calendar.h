@@ -31,7 +31,8 @@ class Component {
   virtual void check_drained() const = 0;
 };
 
-// Appointments of one cycle are kept in the order they were made, which makes runs repeatable.
+// Appointments of one cycle are kept in the order they were made, numbers before all others, which
+// makes runs repeatable.
 class Calendar {
  public:
   static constexpr Cycles kNever{~std::uint64_t{0}};

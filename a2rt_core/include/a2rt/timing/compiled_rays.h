@@ -17,7 +17,7 @@ namespace a2rt::timing {
 // Operations of rays for RT units of one short stack and one way with contexts.
 class CompiledRays {
  public:
-  // Of `rays` rays; takes no more memory than that, about.
+  // Of `rays` rays; their operations and counts take no more memory than that.
   CompiledRays(const RtConfig& config, std::size_t rays, Bytes most);
 
   // Whether rays compiled for that RT unit are these.

@@ -147,6 +147,7 @@ class RtEngine final : public Component, public L1Client {
   Cycles fetch_line(Cycles now, const Slot& slot, LaneOp op);
   void store_ahead(Cycles now, LaneOp op);
   void prefetch_line(LaneOp op) const;
+  void book_port(Cycles now);
   Port::Sent send_ahead(Cycles now, std::uint32_t sectors);
   void suspend(Cycles now, Slot& slot, std::uint32_t lane, LaneOp op);
   void maybe_judge(Cycles now, Slot& slot);
@@ -204,7 +205,8 @@ class RtEngine final : public Component, public L1Client {
   RtCounts counts_;
   Attribution<RtReason> attribution_;
   BusyCycles testing_;
-  BusyCycles sending_;  // only in the model "reserved"
+  BusyCycles sending_;  // this and the next only in the model "reserved"
+  std::uint64_t port_cycles_booked_ = 0;
   BinnedSeries occupancy_, active_series_, port_series_;
   Cycles series_until_;
 };
