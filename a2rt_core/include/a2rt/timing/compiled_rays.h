@@ -40,8 +40,8 @@ class CompiledRays {
     __builtin_prefetch(ray.ops + ray.size);
     __builtin_prefetch(ray.ops + ray.size + 64 / sizeof(LaneOp));
   }
-  // Keeps the operations, if there is room: `spill` is where their spill memory begins, `before` and
-  // `after` what the compiler had counted before it made them and after.
+  // Keeps the operations, if there is room: `spill` is where their spill memory begins, `before`
+  // and `after` what the compiler had counted before it made them and after.
   void keep(std::uint32_t ray, const LaneOp* ops, std::size_t size, Address spill,
             const LaneOpCounts& before, const LaneOpCounts& after);
 
