@@ -77,7 +77,7 @@ def run(args: argparse.Namespace) -> int:
 
 def _draw(found: dict[str, Any], title: str, target: Path) -> Path:
     """Cycles of every machine as a bar."""
-    from a2rt_cli import plotting
+    from a2rt_cli import formats, plotting
     from a2rt_cli.report import charts
 
     runs = found["runs"]
@@ -86,10 +86,9 @@ def _draw(found: dict[str, Any], title: str, target: Path) -> Path:
     cycles = [one["time"]["cycles"] for one in runs]
     spots = range(len(runs))
     axes.barh(spots, cycles, color=charts.unit_colour(found["unit"]["name"], 0))
-    for spot, value in zip(spots, cycles, strict=True):
-        axes.annotate(
-            f" {value:,} ({cycles[0] / value:.2f}×)", (value, spot), va="center", fontsize=8
-        )
+    for spot, value, one in zip(spots, cycles, runs, strict=True):
+        words = f" {value:,} ({formats.factor(one['speedup'])})"
+        axes.annotate(words, (value, spot), va="center", fontsize=8)
     axes.set_yticks(spots, names)
     axes.invert_yaxis()
     axes.grid(axis="y", visible=False)

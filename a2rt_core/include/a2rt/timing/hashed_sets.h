@@ -27,20 +27,6 @@ class HashedSets {
   HashedSets(std::uint64_t sets, std::uint32_t ways);
 
   // As in TagStore; `line` is a line number.
-  SectorMask touch(std::uint64_t line, SectorMask wanted) {
-    const Place place = find(line);
-    if (!place.found) {
-      return 0;
-    }
-    const auto found =
-        static_cast<SectorMask>(buckets_[place.bucket].sectors[place.i].valid & wanted);
-    if (found != 0) {
-      strike_out(place);
-      append(sets_[wrap_.of(line)], place);
-    }
-    return found;
-  }
-  SectorMask valid(std::uint64_t line) const { return look(line).valid; }
   std::uint32_t places() const { return (bucket_mask_ + 1) * kRoom; }
   std::uint32_t guess(std::uint64_t line) const { return home(line) * kRoom; }
   Held look(std::uint64_t line) const {
@@ -61,21 +47,6 @@ class HashedSets {
     append(sets_[wrap_.of(line)], place);
   }
   void prefetch(std::uint64_t line) const { __builtin_prefetch(&buckets_[home(line)]); }
-  std::optional<Victim> insert(Cycles now, std::uint64_t line, SectorMask sectors, Traffic kind,
-                               bool dirty, SectorResidence& residence) {
-    return put(now, find(line), line, sectors, kind, dirty, residence).victim;
-  }
-  std::optional<Victim> fill(Cycles now, std::uint64_t line, SectorMask sectors, Traffic kind,
-                             SectorResidence& residence) {
-    const Place place = find(line);
-    if (place.found) {
-      sectors = static_cast<SectorMask>(sectors & ~buckets_[place.bucket].sectors[place.i].valid);
-      if (sectors == 0) {
-        return std::nullopt;
-      }
-    }
-    return put(now, place, line, sectors, kind, false, residence).victim;
-  }
   Entered enter(Cycles now, std::uint32_t number, std::uint64_t line, SectorMask sectors,
                 Traffic kind, bool dirty, SectorResidence& residence) {
     return put(now, place_of(number), line, sectors, kind, dirty, residence);
@@ -130,7 +101,6 @@ class HashedSets {
     return static_cast<std::uint32_t>(mixed(line) >> hash_shift_);
   }
   std::uint32_t next(std::uint32_t bucket) const { return (bucket + 1) & bucket_mask_; }
-  Place find(std::uint64_t line) const { return place_of(look(line).place); }
   Place place_of(std::uint32_t number) const {
     return {number / kRoom, number % kRoom, number < places()};
   }

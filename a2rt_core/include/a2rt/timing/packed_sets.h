@@ -25,19 +25,6 @@ class PackedSets {
   PackedSets(std::uint64_t sets, std::uint32_t ways);
 
   // As in TagStore; `line` is a line number.
-  SectorMask touch(std::uint64_t line, SectorMask wanted) {
-    Set& set = sets_[wrap_.of(line)];
-    const std::uint32_t way = find(set, line);
-    if (way == kNoWay) {
-      return 0;
-    }
-    const auto found = static_cast<SectorMask>(set.valid[way] & wanted);
-    if (found != 0) {
-      make_newest(set, way);
-    }
-    return found;
-  }
-  SectorMask valid(std::uint64_t line) const { return look(line).valid; }
   std::uint32_t places() const { return static_cast<std::uint32_t>(kinds_.size()); }
   Held look(std::uint64_t line) const {
     const std::size_t index = wrap_.of(line);
@@ -56,20 +43,10 @@ class PackedSets {
     __builtin_prefetch(&set.line[0]);
     __builtin_prefetch(&set.line[kMostWays / 2]);
   }
-  std::optional<Victim> insert(Cycles now, std::uint64_t line, SectorMask sectors, Traffic kind,
-                               bool dirty, SectorResidence& residence) {
-    const std::uint32_t way = find(sets_[wrap_.of(line)], line);
-    return put(now, way, line, sectors, kind, dirty, residence).victim;
-  }
   Entered enter(Cycles now, std::uint32_t place, std::uint64_t line, SectorMask sectors,
                 Traffic kind, bool dirty, SectorResidence& residence) {
     const std::uint32_t way = place < places() ? place % kMostWays : kNoWay;
     return put(now, way, line, sectors, kind, dirty, residence);
-  }
-  std::optional<Victim> fill(Cycles now, std::uint64_t line, SectorMask sectors, Traffic kind,
-                             SectorResidence& residence) {
-    const auto fresh = static_cast<SectorMask>(sectors & ~valid(line));
-    return fresh == 0 ? std::nullopt : insert(now, line, fresh, kind, false, residence);
   }
 
  private:

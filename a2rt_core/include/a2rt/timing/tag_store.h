@@ -19,48 +19,54 @@ class TagStore {
   // `ways` 0 = fully associative. Throws UserError if the sizes do not divide.
   TagStore(Bytes capacity, std::uint32_t ways, const char* name);
 
-  // Those of the line's `wanted` sectors that are valid; if any, the line becomes the most recent.
-  SectorMask touch(Address line, SectorMask wanted) {
-    return packed_ ? packed_->touch(line_of(line), wanted) : hashed_->touch(line_of(line), wanted);
-  }
-  // The line will be looked up or inserted soon: brings what that touches into the host's caches.
-  void prefetch(Address line) const {
-    packed_ ? packed_->prefetch(line_of(line)) : hashed_->prefetch(line_of(line));
-  }
-  // Those of the line's sectors that are valid.
-  SectorMask valid(Address line) const {
-    return packed_ ? packed_->valid(line_of(line)) : hashed_->valid(line_of(line));
-  }
-  // touch() in two steps, between which the line's place is known.
+  // Where the line is and which of its sectors are valid; its place is below places().
   std::uint32_t places() const { return packed_ ? packed_->places() : hashed_->places(); }
-  // Where the line is likely to be.
-  std::uint32_t guess(Address line) const {
-    return packed_ ? packed_->guess(line_of(line)) : hashed_->guess(line_of(line));
-  }
   A2RT_INLINE Held look(Address line) const {
     return packed_ ? packed_->look(line_of(line)) : hashed_->look(line_of(line));
   }
+  // A line found there becomes the most recent.
   void use(Address line, std::uint32_t place) {
     packed_ ? packed_->use(place) : hashed_->use(line_of(line), place);
   }
-  bool contains(Address sector) const { return valid(sector) >> sector_index(sector) & 1; }
-  // Makes the sectors valid (and dirty), allocating their line at the expense of the set's LRU one.
-  std::optional<Victim> insert(Cycles now, Address line, SectorMask sectors, Traffic kind,
-                               bool dirty) {
-    return packed_ ? packed_->insert(now, line_of(line), sectors, kind, dirty, residence_)
-                   : hashed_->insert(now, line_of(line), sectors, kind, dirty, residence_);
-  }
-  // As insert(), after look().
+  // Makes the sectors valid (and dirty), after look(): allocates the line, if it is nowhere, at the
+  // expense of the set's LRU one.
   Entered enter(Cycles now, Held held, Address line, SectorMask sectors, Traffic kind, bool dirty) {
     return packed_
                ? packed_->enter(now, held.place, line_of(line), sectors, kind, dirty, residence_)
                : hashed_->enter(now, held.place, line_of(line), sectors, kind, dirty, residence_);
   }
+
+  // Those of the line's `wanted` sectors that are valid; if any, the line becomes the most recent.
+  SectorMask touch(Address line, SectorMask wanted) {
+    const Held held = look(line);
+    const auto found = static_cast<SectorMask>(held.valid & wanted);
+    if (found != 0) {
+      use(line, held.place);
+    }
+    return found;
+  }
+  // Those of the line's sectors that are valid.
+  SectorMask valid(Address line) const { return look(line).valid; }
+  bool contains(Address sector) const { return valid(sector) >> sector_index(sector) & 1; }
+  std::optional<Victim> insert(Cycles now, Address line, SectorMask sectors, Traffic kind,
+                               bool dirty) {
+    return enter(now, look(line), line, sectors, kind, dirty).victim;
+  }
   // As insert(), of what came from below: only those sectors that are not valid yet. Does nothing,
   // not even to the order of use, if all are.
   std::optional<Victim> fill(Cycles now, Address line, SectorMask sectors, Traffic kind) {
-    return packed_ ? packed_->fill(now, line_of(line), sectors, kind, residence_)
-                   : hashed_->fill(now, line_of(line), sectors, kind, residence_);
+    const Held held = look(line);
+    const auto fresh = static_cast<SectorMask>(sectors & ~held.valid);
+    return fresh == 0 ? std::nullopt : enter(now, held, line, fresh, kind, false).victim;
+  }
+
+  // The line will be looked up or inserted soon: brings what that touches into the host's caches.
+  void prefetch(Address line) const {
+    packed_ ? packed_->prefetch(line_of(line)) : hashed_->prefetch(line_of(line));
+  }
+  // Where the line is likely to be.
+  std::uint32_t guess(Address line) const {
+    return packed_ ? packed_->guess(line_of(line)) : hashed_->guess(line_of(line));
   }
 
   // Sector-cycles of residence by kind up to `now`: what the cache was filled with over time.
